@@ -1,0 +1,38 @@
+# Every library is a Debian package; tools/packages.txt lists them.
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(Eigen3 REQUIRED)
+find_package(octomap REQUIRED)
+find_package(fcl REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(assimp REQUIRED)
+find_package(embree 3 REQUIRED)
+find_package(nanoflann REQUIRED)
+find_package(TBB REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(GTest REQUIRED)
+find_package(benchmark REQUIRED)
+pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
+
+# Debian's OpenCVConfig.cmake comes with the package of all 60 modules; we use three, so they are
+# found by hand.
+find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
+foreach(module core imgproc imgcodecs)
+  find_library(OPENCV_${module} opencv_${module} REQUIRED)
+  add_library(opencv_${module} UNKNOWN IMPORTED)
+  set_target_properties(opencv_${module} PROPERTIES IMPORTED_LOCATION ${OPENCV_${module}}
+                                                    INTERFACE_INCLUDE_DIRECTORIES
+                                                    ${OPENCV_INCLUDE_DIR})
+endforeach()
+
+# Third-party headers are not ours to warn about.
+foreach(library Eigen3::Eigen yaml-cpp fcl octomap nanoflann::nanoflann)
+  get_target_property(directories ${library} INTERFACE_INCLUDE_DIRECTORIES)
+  if(directories)
+    set_target_properties(${library} PROPERTIES INTERFACE_SYSTEM_INCLUDE_DIRECTORIES
+                                                "${directories}")
+  endif()
+endforeach()

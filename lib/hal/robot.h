@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+
+#include "lib/common/clock.h"
+#include "lib/hal/base.h"
+#include "lib/hal/camera.h"
+#include "lib/hal/pan_tilt.h"
+
+namespace secondlook::hal {
+
+/// All the devices of one robot. They are destroyed in reverse order, so the clock outlives them.
+struct Robot {
+  std::unique_ptr<Clock> clock;
+  std::unique_ptr<Base> base;
+  std::unique_ptr<PanTilt> head;
+  std::unique_ptr<Camera> head_camera;
+
+  /// Stops everything that moves, from any thread.
+  void Stop() noexcept {
+    base->Stop();
+    head->Stop();
+  }
+};
+
+}  // namespace secondlook::hal

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lib/geometry/mesh.h"
+
+namespace secondlook::world {
+
+/// One known object.
+struct ObjectModel {
+  std::string name;
+  geometry::Mesh mesh;   ///< Model frame M [m].
+  std::uint64_t hash{};  ///< Of the mesh, material and texture files; caches are keyed by it.
+};
+
+/// The objects the robot knows. On disk: a folder with one sub-folder per object that holds
+/// `model.yaml` {format: 1, name, mesh, unit, hash} and the mesh file with what it refers to.
+class ObjectDatabase {
+ public:
+  ObjectDatabase() = default;
+
+  /// Reads every object of `folder`, in the order of their names.
+  /// @throws ConfigError naming the file: folder missing or without any object, format other than
+  /// 1, two objects of one name, a mesh that LoadMesh refuses, or a file that no longer has the
+  /// hash it was added with.
+  static ObjectDatabase Load(const std::filesystem::path& folder);
+
+  /// A database of `models`, as tests use it. @throws InvalidArgument for two of one name.
+  explicit ObjectDatabase(std::vector<ObjectModel> models);
+
+  const std::vector<ObjectModel>& models() const { return models_; }
+
+  /// The object called `name`, or null.
+  const ObjectModel* Find(const std::string& name) const;
+
+ private:
+  std::vector<ObjectModel> models_;
+};
+
+/// Adds the mesh of `mesh_file`, whose unit is `unit`, as `name` to the database in `folder` (made
+/// when missing). The object is written whole to a temporary folder and renamed.
+/// @throws ConfigError for a name that is taken or is no plain file name, or when LoadMesh refuses.
+void AddModel(const std::filesystem::path& mesh_file, geometry::LengthUnit unit,
+              const std::string& name, const std::filesystem::path& folder);
+
+/// Removes `name` from the database in `folder`. @throws ConfigError when there is none.
+void RemoveModel(const std::string& name, const std::filesystem::path& folder);
+
+}  // namespace secondlook::world
