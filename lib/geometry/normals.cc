@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "lib/geometry/point_image.h"
+
 namespace secondlook::geometry {
 namespace {
 
@@ -60,7 +62,7 @@ std::optional<OrientedPoint> FitLocalPlane(const cv::Mat& depth, const cv::Mat& 
   const int y = pixel / depth.cols;
   const double z = depth.at<float>(y, x);
   if (!(z > 0.0)) return std::nullopt;
-  const double sigma = DepthNoise(z);
+  const double sigma = DepthSigma(z);
   const double radius = options.radius + options.per_sigma * sigma;
   const double gate = radius + options.gate_sigma * sigma;
   const int reach = std::clamp(static_cast<int>(std::lround(radius * camera.fx / z)), 1, 24);

@@ -10,10 +10,6 @@
 
 namespace secondlook::geometry {
 
-/// The axial noise of a Kinect-class depth camera at depth `z` [m], sigma [m] (Nguyen, Izadi and
-/// Lovell 2012, Modeling Kinect Sensor Noise).
-inline double DepthNoise(double z) { return 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4); }
-
 /// How the plane around a pixel is fitted.
 struct NormalOptions {
   double radius = 0.007;    ///< Of the window on the surface [m], plus…

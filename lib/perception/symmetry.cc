@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -20,8 +22,6 @@ constexpr int kProbes = 300;  // points that are turned
 struct Surface {
   geometry::KdTree tree;
   std::vector<Eigen::Vector3f> colors;  // by point of the tree
-  double diameter;
-  double spacing;  // mean distance of a fresh point of the surface to the tree
 };
 
 struct Difference {
@@ -30,6 +30,10 @@ struct Difference {
   double color;  // mean absolute difference of RGB
 };
 
+geometry::Neighbour NearestOf(const geometry::KdTree& tree, const Eigen::Vector3d& query) {
+  return *tree.Nearest(query, std::numeric_limits<double>::max());
+}
+
 Difference Compare(const Surface& surface, const std::vector<Eigen::Vector3f>& probes,
                    const std::vector<Eigen::Vector3f>& colors, const Pose& X_MS) {
   std::vector<double> distances;
@@ -37,8 +41,7 @@ Difference Compare(const Surface& surface, const std::vector<Eigen::Vector3f>& p
   double sum = 0.0;
   double color = 0.0;
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    const Eigen::Vector3f turned = (X_MS * probes[i].cast<double>()).cast<float>();
-    const auto nearest = surface.tree.Nearest(turned);
+    const geometry::Neighbour nearest = NearestOf(surface.tree, X_MS * probes[i].cast<double>());
     const double distance = std::sqrt(nearest.squared_distance);
     sum += distance;
     distances.push_back(distance);
@@ -64,7 +67,7 @@ std::vector<Eigen::Vector3f> Smooth(const geometry::KdTree& tree,
     for (int axis = 0; axis < 3; ++axis) {
       for (const float sign : {-1.0F, 0.0F, 1.0F}) {
         const Eigen::Vector3f query = point + sign * r * Eigen::Vector3f::Unit(axis);
-        sum += colors[static_cast<std::size_t>(tree.Nearest(query).index)];
+        sum += colors[static_cast<std::size_t>(NearestOf(tree, query.cast<double>()).index)];
       }
     }
     smooth.push_back(sum / 9.0F);
@@ -107,9 +110,11 @@ Symmetry FindSymmetry(const geometry::Mesh& mesh, const SymmetryOptions& options
   constexpr double kPi = std::numbers::pi;
   Rng rng(1);
   std::vector<Eigen::Vector3f> dense;
+  std::vector<Eigen::Vector3d> dense_points;
   std::vector<Eigen::Vector3f> dense_colors;
   for (const geometry::MeshSample& sample : geometry::SampleSurface(mesh, kDense, &rng)) {
     dense.push_back(sample.surface.point);
+    dense_points.push_back(sample.surface.point.cast<double>());
     dense_colors.push_back(geometry::ColorAt(mesh, sample.triangle, sample.weights));
   }
   std::vector<Eigen::Vector3f> probes;
@@ -117,12 +122,13 @@ Symmetry FindSymmetry(const geometry::Mesh& mesh, const SymmetryOptions& options
     probes.push_back(sample.surface.point);
   }
   const double diameter = geometry::Diameter(mesh);
-  Surface surface{geometry::KdTree(dense), {}, diameter, 0.0};
+  Surface surface{geometry::KdTree(std::move(dense_points)), {}};
   surface.colors = Smooth(surface.tree, dense, dense_colors, 0.02 * diameter);
   std::vector<Eigen::Vector3f> probe_colors;
   for (const Eigen::Vector3f& probe : probes) {
     probe_colors.push_back(
-        surface.colors[static_cast<std::size_t>(surface.tree.Nearest(probe).index)]);
+        surface
+            .colors[static_cast<std::size_t>(NearestOf(surface.tree, probe.cast<double>()).index)]);
   }
   const Difference floor = Compare(surface, probes, probe_colors, Pose::Identity());
 
