@@ -128,7 +128,8 @@ class Atlas:
             named = np.isin(mesh.labels, list(sections))
             chosen = ~named if name == "rest" else mesh.labels == name
             if not chosen.any():
-                raise ValueError(f"no section {name!r}; the mesh has {sorted(set(mesh.labels))}")
+                raise ValueError(f"no section '{name}'; the mesh has "
+                                 f"{', '.join(sorted(set(mesh.labels)))}")
             plain = not isinstance(how[0], Print)
             rect = self.swatch(how) if plain else self.add(how[0])
             local = _seen("top" if plain else how[1], mesh.corners()[chosen])
