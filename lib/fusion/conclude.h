@@ -32,9 +32,9 @@ struct ConcludeConfig {
   }
 };
 
-/// Draws the conclusion from the evidence in `object->hypotheses` and from `object->views`: sets
+/// Draws the conclusion from the evidence in `object->hypotheses`: sets
 /// every hypothesis's support, struck and reason, their order, the object's
-/// masses, state and reason. `clear_views` is the number of its views in which it was seen well
+/// masses, state and reason. `clear_views` is the number of views in which it was seen well
 /// enough to be recognised. A pure function of the evidence; the order of the views does not
 /// matter.
 ///
