@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <unordered_map>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <opencv2/imgproc.hpp>
@@ -175,6 +177,20 @@ std::vector<cv::Point2f> ConvexExtent(const std::vector<Vector3d>& points,
   std::vector<cv::Point2f> hull;
   cv::convexHull(flat, hull);
   return hull;
+}
+
+/// One point for each cell of 2 cm on the plane.
+std::vector<Vector3d> Thinned(const std::vector<Vector3d>& points, const Vector3d& normal) {
+  constexpr double kCell = 0.02;
+  const auto axes = PlaneAxes(normal);
+  std::set<std::pair<int, int>> taken;
+  std::vector<Vector3d> thinned;
+  for (const Vector3d& p : points) {
+    const int u = static_cast<int>(std::floor(axes[0].dot(p) / kCell));
+    const int v = static_cast<int>(std::floor(axes[1].dot(p) / kCell));
+    if (taken.insert({u, v}).second) thinned.push_back(p);
+  }
+  return thinned;
 }
 
 struct PlaneSearch {
@@ -370,11 +386,12 @@ Segmentation Segment(const geometry::PointImage& cloud, const Vector3d& up_C,
   const Vector3d up = up_C.normalized();
   const std::vector<int> candidates = Candidates(cloud, up, config.max_range_m, max_drop);
   PlaneSearch search = FindSupportPlane(cloud, candidates, up, config);
-  if (!search.plane) return {std::nullopt, {}, search.reason};
+  if (!search.plane) return {std::nullopt, {}, {}, search.reason};
 
   const std::vector<int> above =
       PointsAbove(cloud, candidates, *search.plane, search.patch, config);
-  Segmentation result{search.plane, MakeClusters(cloud, above, config), ""};
+  Segmentation result{search.plane, Thinned(search.patch, search.plane->normal_A),
+                      MakeClusters(cloud, above, config), ""};
   if (result.clusters.empty()) {
     result.reason = fmt::format(
         "nothing stands on the support plane: {} points above it form no "

@@ -45,7 +45,9 @@ struct SegmentConfig {
 /// A view cut into plane and things.
 struct Segmentation {
   std::optional<world::SupportPlane> plane_C;  ///< In the camera frame.
-  std::vector<world::Cluster> clusters;        ///< Largest first.
+  /// The plane's measured points, thinned to about 2 cm: what its rectangle was fitted to [m].
+  std::vector<Eigen::Vector3d> plane_points_C;
+  std::vector<world::Cluster> clusters;  ///< Largest first.
   /// Why there is no plane, or no cluster, with values; empty when there are both.
   std::string reason;
 };
