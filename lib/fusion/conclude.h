@@ -1,0 +1,51 @@
+#pragma once
+
+#include "lib/world/object_belief.h"
+#include "lib/world/task.h"
+
+namespace secondlook::fusion {
+
+/// When the evidence of the views settles an object.
+struct ConcludeConfig {
+  /// A view that could see at least this share of the model, and gives it a lower score than
+  /// `strike_score`, strikes the hypothesis.
+  double strike_visible_fraction = 0.35;
+  double strike_score = 0.1;
+  /// A second pose of the same model whose support comes this near to the best's keeps the object
+  /// open: the views cannot tell the two apart.
+  double rival_margin = 0.15;
+  /// Each view's masses are discounted by this (Shafer): views share errors.
+  double view_reliability = 0.97;
+  /// An object is unknown when at least this many views saw it …
+  int unknown_views = 2;
+  /// … and m(Omega) / (1 - m(empty)) is still at least this: nothing in the database fits.
+  double unknown_ignorance = 0.6;
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("strike_visible_fraction", &strike_visible_fraction);
+    a->Visit("strike_score", &strike_score);
+    a->Visit("rival_margin", &rival_margin);
+    a->Visit("view_reliability", &view_reliability);
+    a->Visit("unknown_views", &unknown_views);
+    a->Visit("unknown_ignorance", &unknown_ignorance);
+  }
+};
+
+/// Draws the conclusion from the evidence in `object->hypotheses` and from `object->views`: sets
+/// every hypothesis's support, struck and reason, their order, the object's
+/// masses, state and reason. `clear_views` is the number of its views in which it was seen well
+/// enough to be recognised. A pure function of the evidence; the order of the views does not
+/// matter.
+///
+/// - A hypothesis's support is the mean of its scores, weighted by the pixels each view saw of it:
+///   a pose that fits one view and not the other falls behind the one that fits both.
+/// - A class counts in every view with what that view says of the class's best surviving
+///   hypothesis; the masses of the views are combined by the transferable belief model.
+/// - Verified: the class has the confidence that the task asks for, the hypothesis was accepted in
+///   some view, and no other pose of the class comes near. Unknown: see ConcludeConfig. Otherwise
+///   the object stays a candidate, and the reason says what is open.
+void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
+              world::ObjectBelief* object);
+
+}  // namespace secondlook::fusion
