@@ -32,7 +32,7 @@ LookStrategy ParseLookStrategy(const std::string& text);
 struct AspectGraphConfig {
   std::string strategy{"gain per second"};
   int ray_columns{160};          ///< Of the modelled camera; its rows follow from the camera's.
-  double box_margin_m{0.02};     ///< Voxels so near to the target's box may be the target itself.
+  double box_margin_m{0.03};     ///< Voxels so near to the target's box may be the target itself.
   double unknown_m{0.04};        ///< A ray that crosses more unknown space is probably occluded…
   double unknown_survival{0.5};  ///< …and counts so much.
   double min_visibility{0.05};   ///< A candidate that sees less of the target is refused.
