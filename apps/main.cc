@@ -19,6 +19,7 @@ int Run(int argc, char** argv) {
   app.require_subcommand(1);
   int status = kDone;
   AddModel(&app, &status);
+  AddRecognise(&app, &status);
   AddSegment(&app, &status);
   try {
     app.parse(argc, argv);

@@ -14,12 +14,12 @@ struct ColorPair {
 };
 
 /// How well `pairs` agree, in [0, 1]; NaN for fewer than 20 pairs.
-/// Compared are log-lightness and two log-chromaticities. Before that, what light and camera may
-/// have done is fitted robustly and taken out: lightness that depends linearly on the normal
-/// (exposure, shading; bounded to a factor of about 3), and one gain for each chromaticity (white
-/// balance; bounded to about 30 %, so that red does not become blue). The agreement of a pair is
-/// exp(-e^2 / 2) with e its remaining difference in units of what noise, highlights and shadows
-/// make usual; the result is the mean.
+/// Compared are log-lightness and the shares of red and blue. Before that, what light and camera
+/// may have done is fitted robustly and taken out: a lightness that depends linearly on the normal
+/// (exposure, shading; bounded to a factor of about 3) and on the model's own lightness (contrast;
+/// bounded to 0.7 … 1.6), and an offset of each share (white balance; bounded, so that red does not
+/// become blue). The agreement of a pair is exp(-e^2 / 2) with e its remaining difference in units
+/// of what noise, highlights and shadows make usual; the result is the mean.
 double CompareColors(const std::vector<ColorPair>& pairs);
 
 }  // namespace secondlook::perception
