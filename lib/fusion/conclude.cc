@@ -1,6 +1,7 @@
 #include "lib/fusion/conclude.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <vector>
@@ -17,6 +18,14 @@ using world::ObjectState;
 using world::PoseHypothesis;
 using world::ViewEvidence;
 
+/// Beyond this a single view is not believed.
+constexpr double kMaxLogOdds = 9.0;
+
+double LogOdds(double score) {
+  constexpr double kTiny = 1e-12;
+  return std::clamp(std::log((score + kTiny) / (1.0 - score + kTiny)), -kMaxLogOdds, kMaxLogOdds);
+}
+
 bool Accepted(const PoseHypothesis& hypothesis) {
   return std::any_of(hypothesis.evidence.begin(), hypothesis.evidence.end(),
                      [](const ViewEvidence& e) { return e.hypothesis.verification.accepted; });
@@ -30,14 +39,14 @@ void Weigh(const ConcludeConfig& config, PoseHypothesis* h) {
   for (const ViewEvidence& e : h->evidence) {
     const world::Verification& v = e.hypothesis.verification;
     weight += v.visible;
-    sum += v.visible * e.hypothesis.score;
+    sum += v.visible * LogOdds(e.hypothesis.score);
     if (!h->struck && v.visible_fraction >= config.strike_visible_fraction &&
         e.hypothesis.score < config.strike_score) {
       h->struck = true;
       h->reason = fmt::format("view {} contradicts it: {}", e.view, v.reason);
     }
   }
-  h->support = weight > 0.0 ? sum / weight : 0.0;
+  h->support = weight > 0.0 ? 1.0 / (1.0 + std::exp(-sum / weight)) : 0.0;
 }
 
 /// The best surviving hypothesis of each class. @pre hypotheses are ordered.
@@ -74,12 +83,23 @@ world::MassFunction FuseViews(const ObjectBelief& object, double reliability) {
   return fused;
 }
 
+/// By how much the views prefer `a` to `b`: see ConcludeConfig::min_lead.
+double Lead(const PoseHypothesis& a, const PoseHypothesis& b) {
+  double lead = 0.0;
+  for (const ViewEvidence& ea : a.evidence) {
+    for (const ViewEvidence& eb : b.evidence) {
+      if (ea.view == eb.view) lead += LogOdds(ea.hypothesis.score) - LogOdds(eb.hypothesis.score);
+    }
+  }
+  return lead;
+}
+
 /// Another pose of the best hypothesis's model that the views cannot rule out, or null.
-const PoseHypothesis* PoseRival(const ObjectBelief& object, double margin) {
+const PoseHypothesis* PoseRival(const ObjectBelief& object, double min_lead) {
   const PoseHypothesis& best = object.hypotheses.front();
   for (const PoseHypothesis& h : object.hypotheses) {
     if (&h == &best || h.struck || h.model != best.model) continue;
-    if (h.support > best.support - margin) return &h;
+    if (Lead(best, h) < min_lead) return &h;
   }
   return nullptr;
 }
@@ -127,7 +147,7 @@ void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_v
 
   const double belief = NormalisedBelief(object->masses, c);
   const double needed = task.ConfidenceFor(c);
-  const PoseHypothesis* rival = PoseRival(*object, config.rival_margin);
+  const PoseHypothesis* rival = PoseRival(*object, config.min_lead);
   if (belief < needed) {
     std::string second;
     double second_mass = 0.0;
