@@ -147,8 +147,8 @@ PlannedPath Routes::To(const Pose2& goal_W) const {
   }
   if (!map_.Passable(goal) && goal != start) {
     return refuse(
-        fmt::format("the goal ({:.2f}, {:.2f}) m is {:.2f} m from what is occupied; the "
-                    "base needs {:.2f} m",
+        fmt::format("the goal ({:.2f}, {:.2f}) m is {:.3f} m from what is occupied; the "
+                    "base needs {:.3f} m",
                     goal_W.x, goal_W.y, map_.Clearance(goal), map_.safe_radius()));
   }
   if (std::isinf(cost_[Index(goal)])) {

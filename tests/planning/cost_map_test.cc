@@ -87,7 +87,7 @@ TEST(CostMap, BlockMarksADisc) {
   EXPECT_TRUE(map.Occupied(map.CellOf({0.5, 0.0})));
   EXPECT_TRUE(map.Occupied(map.CellOf({0.67, 0.0})));
   EXPECT_FALSE(map.Occupied(map.CellOf({0.76, 0.0})));
-  EXPECT_FALSE(map.Passable(map.CellOf({0.5, 0.5})));
+  EXPECT_FALSE(map.Passable(map.CellOf({0.5, 0.46})));
   EXPECT_TRUE(map.Passable(map.CellOf({0.5, 0.6})));
 }
 
