@@ -73,6 +73,14 @@ class Bench {
       : database_(world::ObjectDatabase::Load(models)) {
     const double start = CpuSeconds();
     trained_ = perception::TrainModels(database_);
+    if (std::getenv("SHOW")) {
+      for (const RecognitionModel& m : trained_) {
+        const Eigen::Vector3d size = geometry::Bounds(m.mesh).sizes();
+        fmt::print("{:14} {:.3f} x {:.3f} x {:.3f} tri {} ppf {} / {} rest {} axis {} keeps {} motions", m.name, size.x(), size.y(), size.z(), m.mesh.triangles.size(), m.ppf.points.size(), m.ppf.entries.size(), m.resting_M.size(), m.symmetry.axis ? fmt::format("({:.2f} {:.2f} {:.2f})", m.symmetry.axis->direction.x(), m.symmetry.axis->direction.y(), m.symmetry.axis->direction.z()) : "-", m.symmetry.axis_keeps_color);
+        for (auto& x : m.symmetry.motions) { Eigen::AngleAxisd a(x.X_MS.linear()); fmt::print(" {:.0f}({:.1f} {:.1f} {:.1f}){}", a.angle() * 57.3, a.axis().x(), a.axis().y(), a.axis().z(), x.keeps_color ? "c" : ""); }
+        fmt::print("\n");
+      }
+    }
     fmt::print("training: {:.3f} s of processor time a model\n",
                (CpuSeconds() - start) / static_cast<double>(trained_.size()));
     const bool strangers = std::filesystem::exists(unfamiliar);
@@ -112,7 +120,9 @@ class Bench {
 
     const double start = CpuSeconds();
     const Eigen::Vector3d up_C = X_WC.linear().transpose() * Eigen::Vector3d::UnitZ();
-    const auto segmentation = perception::Segment(geometry::Deproject(depth, camera), up_C, {});
+    perception::SegmentConfig segment_config;
+    segment_config.min_plane_area_m2 = 0.2;
+    const auto segmentation = perception::Segment(geometry::Deproject(depth, camera), up_C, segment_config);
     if (!segmentation.plane_C) {
       fmt::print("seed {}: {}\n", seed, segmentation.reason);
       return;
@@ -182,6 +192,15 @@ class Bench {
       }
       thing_of.push_back(best >= 1 && best <= static_cast<int>(things.size()) ? best - 1 : -1);
     }
+    const auto ErrorOf = [&](int thing, const world::Hypothesis& h) -> std::string {
+      if (thing < 0) return "-";
+      const Thing& t = things[static_cast<std::size_t>(thing)];
+      if (t.model < 0 || t.name != h.model) return "-";
+      const RecognitionModel& model = trained_[static_cast<std::size_t>(t.model)];
+      const auto d = perception::DistanceUpToSymmetry(X_WC.inverse() * t.X_WM, h.X_CM,
+                                                      model.symmetry, model.center_M, true);
+      return fmt::format("{:.1f}mm {:.1f}deg", 1000 * d.translation, d.rotation / kDegree);
+    };
     const auto correct = [&](int thing, const world::Hypothesis& h) {
       if (thing < 0) return false;
       const Thing& t = things[static_cast<std::size_t>(thing)];
@@ -198,11 +217,11 @@ class Bench {
         for (std::size_t k = 0; k < hypotheses.size(); ++k) {
           const auto& v = hypotheses[k].verification;
           *features << fmt::format(
-              "{},{},{},{},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{},{}\n", seed, c,
+              "{},{},{},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{},{}\n", seed, c,
               thing_of[c] < 0 ? "none" : things[thing_of[c]].name, hypotheses[k].model,
               correct(thing_of[c], hypotheses[k]) ? 1 : 0, v.accepted ? 1 : 0, v.rendered,
               v.visible, v.matching, v.see_through, v.cluster, v.quality, v.color_agreement,
-              hypotheses[k].score, static_cast<int>(k) == choices[c].hypothesis ? 1 : 0, v.reason);
+              hypotheses[k].score, static_cast<int>(k) == choices[c].hypothesis ? 1 : 0, ErrorOf(thing_of[c], hypotheses[k]), v.reason);
         }
       }
       if (choices[c].hypothesis < 0) continue;
