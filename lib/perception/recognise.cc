@@ -20,7 +20,7 @@ using world::Hypothesis;
 constexpr double kSameDistance = 0.010;                        // [m]
 constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;  // [rad]
 
-constexpr double kTurn = 9.0 * std::numbers::pi / 180.0;  // [rad]
+constexpr double kTurn = 10.0 * std::numbers::pi / 180.0;  // [rad]
 
 /// Keeps the best of poses that no one can tell apart, at most `count`. Best first.
 std::vector<Hypothesis> KeepDistinct(std::vector<Hypothesis> hypotheses,

@@ -199,7 +199,19 @@ struct PlaneSearch {
   std::string reason;
 };
 
-/// Of the planes with a normal near `up`, the highest that is large enough.
+/// How densely `patch` covers its convex extent of `area` [m^2], up to a factor that is the same
+/// for all planes of a view: its points, by what a surface of that area there would show. A slice
+/// through the things on a table covers little of its extent.
+double Fill(const std::vector<Vector3d>& patch, const Vector3d& normal, double area) {
+  double expected = 0.0;
+  for (const Vector3d& p : patch) {
+    expected += std::abs(normal.dot(p)) / (p.norm() * p.squaredNorm());
+  }
+  const auto count = static_cast<double>(patch.size());
+  return count / (area * expected / count);
+}
+
+/// Of the planes with a normal near `up`, the highest that is large enough and no slice.
 PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vector<int>& candidates,
                              const Vector3d& up, const SegmentConfig& config) {
   Rng rng(1);  // chance in finding a plane, not in the result: any seed serves
@@ -209,8 +221,10 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     sample.push_back(cloud.points_C[candidates[i]]);
   }
   const double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
+  constexpr double kMinFill = 0.4;  // of the best filled plane
   PlaneSearch highest;
   double highest_height = 0.0;
+  double highest_fill = 0.0;
   int most_points = 0;
   double largest_area = 0.0;
   for (int round = 0; round < kMaxPlanes && sample.size() >= 10; ++round) {
@@ -234,8 +248,13 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
         std::min((corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm());
     if (area < config.min_plane_area_m2 || width < config.min_plane_width_m) continue;
     const double height = up.dot(patch.front());
-    if (highest.plane && height < highest_height) continue;
+    const double fill = Fill(patch, plane->normal, area);
+    const bool higher = height > highest_height;
+    const bool slice = fill < kMinFill * highest_fill;
+    const bool was_slice = highest_fill < kMinFill * fill;
+    if (highest.plane && (higher ? slice : !was_slice)) continue;
     highest_height = height;
+    highest_fill = fill;
     highest.plane = {plane->normal, plane->offset, corners, static_cast<int>(patch.size())};
     highest.patch = std::move(patch);
   }
