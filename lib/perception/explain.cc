@@ -8,7 +8,7 @@
 namespace secondlook::perception {
 namespace {
 
-constexpr int kReach = 3;           // [px]
+constexpr int kReach = 3;             // [px]
 constexpr float kTolerance = 0.015F;  // [m]
 
 /// True when some pixel of the silhouette within kReach was rendered near the depth `z`.

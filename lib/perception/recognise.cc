@@ -20,6 +20,8 @@ using world::Hypothesis;
 constexpr double kSameDistance = 0.010;                        // [m]
 constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;  // [rad]
 
+constexpr double kTurn = 10.0 * std::numbers::pi / 180.0;  // [rad]
+
 /// Keeps the best of poses that no one can tell apart, at most `count`. Best first.
 std::vector<Hypothesis> KeepDistinct(std::vector<Hypothesis> hypotheses,
                                      const RecognitionModel& model, int count) {
@@ -36,6 +38,21 @@ std::vector<Hypothesis> KeepDistinct(std::vector<Hypothesis> hypotheses,
     if (!known) kept.push_back(std::move(hypothesis));
   }
   return kept;
+}
+
+/// The turns of X_CM about the centre by `angle` that the symmetry does not take back, about three
+/// axes of M: the continuous axis or z, and two across.
+std::vector<Pose> Neighbours(const RecognitionModel& model, const Pose& X_CM, double angle) {
+  const Eigen::Vector3d first =
+      model.symmetry.axis ? model.symmetry.axis->direction : Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d second = first.unitOrthogonal();
+  std::vector<Pose> poses;
+  for (const Eigen::Vector3d& direction : {first, second, Eigen::Vector3d(first.cross(second))}) {
+    for (const double sign : {-1.0, 1.0}) {
+      poses.push_back(X_CM * TurnAbout({model.center_M, direction}, sign * angle));
+    }
+  }
+  return poses;
 }
 
 /// Refines the guesses of one model, turns them by colour, and verifies each.
@@ -55,11 +72,22 @@ std::vector<Hypothesis> Examine(const RecognitionModel& model,
       hypotheses.push_back(std::move(hypothesis));
     }
   }
+  hypotheses = KeepDistinct(std::move(hypotheses), model, config.hypotheses_per_model);
+  if (hypotheses.empty() || !hypotheses.front().verification.accepted) return hypotheses;
+  // Is the pose held by what is seen? A turn that fits nearly as well is a hypothesis of its own.
+  for (const Pose& X_CM : Neighbours(model, hypotheses.front().X_CM, kTurn)) {
+    Hypothesis turned;
+    turned.model = model.name;
+    turned.X_CM = X_CM;
+    turned.verification =
+        Verify(model, X_CM, view, label, inner_pixels, config.verify, &rasteriser, &turned.score);
+    if (turned.verification.accepted) hypotheses.push_back(std::move(turned));
+  }
   return KeepDistinct(std::move(hypotheses), model, config.hypotheses_per_model);
 }
 
 double LogOdds(double score) {
-  const double bounded = std::clamp(score, 1e-6, 1.0 - 1e-6);
+  const double bounded = std::clamp(score, 1e-12, 1.0 - 1e-12);
   return std::log(bounded / (1.0 - bounded));
 }
 

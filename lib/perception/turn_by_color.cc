@@ -75,10 +75,10 @@ std::vector<Pose> TurnByColor(const RecognitionModel& model, const Pose& X_CM, c
       if (!same) found.push_back(rate(X_CS, points));
       continue;
     }
-    constexpr int kSteps = 36;
+    constexpr int kSteps = 72;
     std::vector<Turned> ring;
     for (int k = 0; k < kSteps; ++k) {
-      ring.push_back(rate(X_CS * TurnAbout(*model.symmetry.axis, 10.0 * kDegree * k), points / 2));
+      ring.push_back(rate(X_CS * TurnAbout(*model.symmetry.axis, 5.0 * kDegree * k), points / 2));
     }
     for (int k = 0; k < kSteps; ++k) {
       const auto at = [&](int i) {
@@ -95,7 +95,7 @@ std::vector<Pose> TurnByColor(const RecognitionModel& model, const Pose& X_CM, c
   if (turns) {
     for (Turned& turned : found) {
       Turned best = rate(turned.X_CM, points);
-      for (const double offset : {-8, -6, -4, -2, 2, 4, 6, 8}) {
+      for (const double offset : {-4, -3, -2, -1, 1, 2, 3, 4}) {
         const Turned other =
             rate(turned.X_CM * TurnAbout(*model.symmetry.axis, offset * kDegree), points);
         if (other.agreement > best.agreement) best = other;

@@ -14,8 +14,8 @@ double PointColorAgreement(const RecognitionModel& model, const Pose& X_CM, cons
 
 /// The poses with the shape of `model` at X_CM, by its symmetry, whose colours are worth a closer
 /// look: X_CM itself, each motion of the symmetry that changes the colour, and with a continuous
-/// axis the turns (searched in steps of 10 degrees, then 2) at which the agreement has its highest
-/// maxima, 20 degrees or more apart. The best agreement first; at most `count`, count >= 1.
+/// axis the turns (searched in steps of 5 degrees, then 1) at which the agreement has its highest
+/// maxima. The best agreement first; at most `count`, count >= 1.
 /// Without colour, or when no turn changes it, only X_CM.
 std::vector<Pose> TurnByColor(const RecognitionModel& model, const Pose& X_CM, const View& view,
                               int label, int count);

@@ -157,9 +157,12 @@ std::string ReasonAgainst(const world::Verification& v, double explained, double
                        config.min_visible_px);
   }
   if (v.visible_fraction < config.min_visible_fraction) {
-    return fmt::format("only {:.0f} % of it is visible (at least {:.0f} %; {:.0f} % unmeasured)",
-                       100 * v.visible_fraction, 100 * config.min_visible_fraction,
-                       100 * unmeasured);
+    return fmt::format("only {:.0f} % of it is visible (at least {:.0f} %)",
+                       100 * v.visible_fraction, 100 * config.min_visible_fraction);
+  }
+  if (unmeasured > config.max_unmeasured) {
+    return fmt::format("nothing is measured on {:.0f} % of it (at most {:.0f} %)", 100 * unmeasured,
+                       100 * config.max_unmeasured);
   }
   if (v.see_through > config.max_see_through * v.visible) {
     return fmt::format("the camera sees through {:.0f} % of it (at most {:.0f} %)",
@@ -272,8 +275,8 @@ double ScoreOf(const world::Verification& v, double explained) {
   if (v.visible == 0) return 0.0;
   const double matching = 1.0 * v.matching / v.visible;
   const double through = 1.0 * v.see_through / v.visible;
-  double odds = 10.0 * (matching - 0.8) + 8.0 * (explained - 0.8) - 10.0 * through;
-  if (!std::isnan(v.color_agreement)) odds += 12.0 * (v.color_agreement - 0.6);
+  double odds = 14.0 * (matching - 0.85) + 8.0 * (explained - 0.85) - 12.0 * through;
+  if (!std::isnan(v.color_agreement)) odds += 30.0 * (v.color_agreement - 0.5);
   return 1.0 / (1.0 + std::exp(-odds));
 }
 

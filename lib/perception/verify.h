@@ -10,12 +10,13 @@ namespace secondlook::perception {
 /// What a hypothesis must show to be accepted.
 struct VerifyConfig {
   double min_quality = 0.4;           ///< q_h of Kriegel 2013, Eq. 5.
-  int min_visible_px = 120;           ///< Fewer say too little.
+  int min_visible_px = 200;           ///< Fewer say too little.
   double min_visible_fraction = 0.1;  ///< Of the silhouette.
+  double max_unmeasured = 0.4;        ///< Of the silhouette: no return from there.
   double min_matching = 0.8;          ///< Of the visible pixels.
   double max_see_through = 0.08;      ///< Of the visible pixels.
   double min_explained = 0.7;         ///< Of the cluster.
-  double min_color_agreement = 0.5;   ///< See CompareColors(); not asked without colour.
+  double min_color_agreement = 0.4;   ///< See CompareColors(); not asked without colour.
   double max_gap_m = 0.02;            ///< The lowest point may stand so high above the plane…
   double max_sink_m = 0.015;          ///< …or so deep in it.
 
@@ -24,6 +25,7 @@ struct VerifyConfig {
     a->Visit("min_quality", &min_quality);
     a->Visit("min_visible_px", &min_visible_px);
     a->Visit("min_visible_fraction", &min_visible_fraction);
+    a->Visit("max_unmeasured", &max_unmeasured);
     a->Visit("min_matching", &min_matching);
     a->Visit("max_see_through", &max_see_through);
     a->Visit("min_explained", &min_explained);
