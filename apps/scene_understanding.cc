@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <iterator>
 #include <utility>
 
 #include "lib/fusion/match.h"
@@ -24,6 +24,9 @@ using world::PoseHypothesis;
 /// Two hypotheses of one model nearer than this are one: the next view's refinement bridges it.
 constexpr double kSamePose_m = 0.03;
 constexpr double kSamePose_rad = 0.26;
+/// Two that come nearer than this are one for good.
+constexpr double kOnePose_m = 0.01;
+constexpr double kOnePose_rad = 0.087;
 /// Refinement that moves a carried hypothesis farther has found another pose.
 constexpr double kMaxRefinement_m = 0.03;
 constexpr double kMaxRefinement_rad = 0.17;
@@ -166,7 +169,9 @@ SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world:
                                                               const hal::CameraModel& camera,
                                                               const Pose& X_WC) {
   Matched matched;
-  std::vector<int> open;  // ids of the objects that clusters are matched with
+  std::vector<world::Cluster> explained;
+  std::vector<int> explained_by;  // ids
+  std::vector<int> open;          // ids of the objects that the other clusters are matched with
   for (const ObjectBelief& object : belief_.objects) {
     if (object.state == ObjectState::kRejected) continue;
     if (object.state != ObjectState::kVerified) {
@@ -179,8 +184,8 @@ SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world:
         perception::TakeExplained(ModelOf(known.model).mesh, X_WC.inverse() * known.X_WM, depth,
                                   camera, config_.min_leftover_points, &clusters);
     if (static_cast<int>(cluster.pixels.size()) < config_.segment.min_cluster_points) continue;
-    matched.clusters.push_back(std::move(cluster));
-    matched.objects.push_back(object.id);
+    explained.push_back(std::move(cluster));
+    explained_by.push_back(object.id);
   }
 
   std::vector<fusion::Footprint> detections;
@@ -201,7 +206,22 @@ SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world:
     matched.clusters.push_back(perception::MakeCluster(std::move(pixels), depth, camera));
     matched.objects.push_back(MergedObject(ids));
   }
+  matched.open = static_cast<int>(matched.clusters.size());
+  std::move(explained.begin(), explained.end(), std::back_inserter(matched.clusters));
+  matched.objects.insert(matched.objects.end(), explained_by.begin(), explained_by.end());
   return matched;
+}
+
+/// The detections of the newest view: what is verified is not recognised anew, only asked whether
+/// it still holds (CompleteEvidence).
+std::vector<world::Detection> SceneUnderstanding::Recognise(const Matched& matched) const {
+  const auto first_explained = matched.clusters.begin() + matched.open;
+  std::vector<world::Detection> detections = perception::Recognise(
+      views_.back(), {matched.clusters.begin(), first_explained}, models_, config_.recognise);
+  for (auto cluster = first_explained; cluster != matched.clusters.end(); ++cluster) {
+    detections.push_back({*cluster, {}, ""});
+  }
+  return detections;
 }
 
 /// The object that all of `ids` are; a new one when there are none.
@@ -315,6 +335,27 @@ void SceneUnderstanding::CompleteEvidence(ObjectBelief* object) {
               [](const auto& a, const auto& b) { return a.view < b.view; });
     FusePose(&h);
   }
+  DropConverged(object);
+}
+
+/// Drops hypotheses that the views' refinements have brought to where a better one is.
+void SceneUnderstanding::DropConverged(ObjectBelief* object) const {
+  std::vector<PoseHypothesis> kept;
+  for (PoseHypothesis& h : object->hypotheses) {
+    const perception::RecognitionModel& model = ModelOf(h.model);
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const PoseHypothesis& other) {
+      if (other.model != h.model) return false;
+      const perception::PoseDistance d = perception::DistanceUpToSymmetry(
+          other.X_WM, h.X_WM, model.symmetry, model.center_M, true);
+      return d.translation < kOnePose_m && d.rotation < kOnePose_rad;
+    });
+    if (same == kept.end()) {
+      kept.push_back(std::move(h));
+    } else if (fusion::Lead(config_.conclude, h, *same) > 0.0) {
+      *same = std::move(h);
+    }
+  }
+  object->hypotheses = std::move(kept);
 }
 
 /// The pose over all views: each counts by how well and how much of the model it shows.

@@ -38,10 +38,12 @@ class SceneUnderstanding {
   void CountLook(int id) { ++belief_.objects[id].looks_taken; }
 
  private:
-  /// The things of a view, and which object each of them is: detections[i] is objects[i].
+  /// The things of a view, and which object each of them is: clusters[i] is objects[i]. Those that
+  /// are to be recognised come first, then those that a verified object explains.
   struct Matched {
     std::vector<world::Cluster> clusters;
     std::vector<int> objects;  // ids
+    int open{};                // how many are to be recognised
   };
 
   perception::ViewRegistration Register(const std::vector<perception::SurfacePoint>& points_C,
@@ -51,11 +53,13 @@ class SceneUnderstanding {
   Matched MatchClusters(std::vector<world::Cluster> clusters, const cv::Mat& depth,
                         const hal::CameraModel& camera, const Pose& X_WC);
   void MergeDuplicates();
+  std::vector<world::Detection> Recognise(const Matched& matched) const;
   int MergedObject(const std::vector<int>& ids);
   void AddSighting(int view, int detection, world::ObjectBelief* object);
   void AddFreshHypotheses(int view, const world::Detection& detection,
                           world::ObjectBelief* object) const;
   void CompleteEvidence(world::ObjectBelief* object);
+  void DropConverged(world::ObjectBelief* object) const;
   void FusePose(world::PoseHypothesis* hypothesis) const;
   int ClearViews(const world::ObjectBelief& object) const;
   void Conclude(world::ObjectBelief* object);

@@ -18,12 +18,16 @@ using world::ObjectState;
 using world::PoseHypothesis;
 using world::ViewEvidence;
 
-/// Beyond this a single view is not believed.
-constexpr double kMaxLogOdds = 9.0;
+/// The support that a view gives to a hypothesis.
+double SupportOf(const ViewEvidence& evidence, const ConcludeConfig& config) {
+  const world::Hypothesis& h = evidence.hypothesis;
+  return h.verification.accepted ? h.score : std::min(h.score, config.max_unaccepted);
+}
 
 double LogOdds(double score) {
   constexpr double kTiny = 1e-12;
-  return std::clamp(std::log((score + kTiny) / (1.0 - score + kTiny)), -kMaxLogOdds, kMaxLogOdds);
+  const double bounded = std::clamp(score, kTiny, 1.0 - kTiny);
+  return std::log(bounded / (1.0 - bounded));
 }
 
 bool Accepted(const PoseHypothesis& hypothesis) {
@@ -39,7 +43,7 @@ void Weigh(const ConcludeConfig& config, PoseHypothesis* h) {
   for (const ViewEvidence& e : h->evidence) {
     const world::Verification& v = e.hypothesis.verification;
     weight += v.visible;
-    sum += v.visible * LogOdds(e.hypothesis.score);
+    sum += v.visible * LogOdds(SupportOf(e, config));
     if (!h->struck && v.visible_fraction >= config.strike_visible_fraction &&
         e.hypothesis.score < config.strike_score) {
       h->struck = true;
@@ -64,7 +68,7 @@ world::MassFunction Discounted(world::MassFunction m, double reliability) {
   return m;
 }
 
-world::MassFunction FuseViews(const ObjectBelief& object, double reliability) {
+world::MassFunction FuseViews(const ObjectBelief& object, const ConcludeConfig& config) {
   const auto best = BestByClass(object);
   std::set<int> views;
   for (const auto& [c, h] : best) {
@@ -75,36 +79,36 @@ world::MassFunction FuseViews(const ObjectBelief& object, double reliability) {
     std::map<std::string, double> supports;
     for (const auto& [c, h] : best) {
       for (const ViewEvidence& e : h->evidence) {
-        if (e.view == view) supports[c] = e.hypothesis.score;
+        if (e.view == view) supports[c] = SupportOf(e, config);
       }
     }
-    fused = Combine(fused, Discounted(FromSupports(supports), reliability));
+    fused = Combine(fused, Discounted(FromSupports(supports), config.view_reliability));
   }
   return fused;
 }
 
-/// By how much the views prefer `a` to `b`: see ConcludeConfig::min_lead.
-double Lead(const PoseHypothesis& a, const PoseHypothesis& b) {
-  double lead = 0.0;
-  for (const ViewEvidence& ea : a.evidence) {
-    for (const ViewEvidence& eb : b.evidence) {
-      if (ea.view == eb.view) lead += LogOdds(ea.hypothesis.score) - LogOdds(eb.hypothesis.score);
-    }
-  }
-  return lead;
-}
-
 /// Another pose of the best hypothesis's model that the views cannot rule out, or null.
-const PoseHypothesis* PoseRival(const ObjectBelief& object, double min_lead) {
+const PoseHypothesis* PoseRival(const ObjectBelief& object, const ConcludeConfig& config) {
   const PoseHypothesis& best = object.hypotheses.front();
   for (const PoseHypothesis& h : object.hypotheses) {
     if (&h == &best || h.struck || h.model != best.model) continue;
-    if (Lead(best, h) < min_lead) return &h;
+    if (Lead(config, best, h) < config.min_lead) return &h;
   }
   return nullptr;
 }
 
 }  // namespace
+
+double Lead(const ConcludeConfig& config, const PoseHypothesis& a, const PoseHypothesis& b) {
+  double lead = 0.0;
+  for (const ViewEvidence& ea : a.evidence) {
+    for (const ViewEvidence& eb : b.evidence) {
+      if (ea.view == eb.view)
+        lead += LogOdds(SupportOf(ea, config)) - LogOdds(SupportOf(eb, config));
+    }
+  }
+  return lead;
+}
 
 void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
               ObjectBelief* object) {
@@ -114,7 +118,7 @@ void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_v
                      if (a.struck != b.struck) return b.struck;
                      return a.support > b.support;
                    });
-  object->masses = FuseViews(*object, config.view_reliability);
+  object->masses = FuseViews(*object, config);
   object->state = ObjectState::kCandidate;
 
   const PoseHypothesis* best = object->Best();
@@ -147,7 +151,7 @@ void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_v
 
   const double belief = NormalisedBelief(object->masses, c);
   const double needed = task.ConfidenceFor(c);
-  const PoseHypothesis* rival = PoseRival(*object, config.min_lead);
+  const PoseHypothesis* rival = PoseRival(*object, config);
   if (belief < needed) {
     std::string second;
     double second_mass = 0.0;

@@ -11,8 +11,10 @@ struct ConcludeConfig {
   /// `strike_score`, strikes the hypothesis.
   double strike_visible_fraction = 0.35;
   double strike_score = 0.1;
+  /// A view that does not accept a hypothesis supports it by no more than this, whatever its score.
+  double max_unaccepted = 0.3;
   /// A second pose of the same model keeps the object open unless the best is ahead of it by this
-  /// much: the difference of the log-odds of their scores, summed over the views that saw both.
+  /// much (see Lead).
   double min_lead = 1.5;
   /// Each view's masses are discounted by this (Shafer): views share errors.
   double view_reliability = 0.97;
@@ -25,12 +27,18 @@ struct ConcludeConfig {
   void Serialize(A* a) {
     a->Visit("strike_visible_fraction", &strike_visible_fraction);
     a->Visit("strike_score", &strike_score);
+    a->Visit("max_unaccepted", &max_unaccepted);
     a->Visit("min_lead", &min_lead);
     a->Visit("view_reliability", &view_reliability);
     a->Visit("unknown_views", &unknown_views);
     a->Visit("unknown_ignorance", &unknown_ignorance);
   }
 };
+
+/// By how much the views prefer `a` to `b`: the difference of the log-odds of their scores, summed
+/// over the views that were asked about both. Positive: `a` is the better one.
+double Lead(const ConcludeConfig& config, const world::PoseHypothesis& a,
+            const world::PoseHypothesis& b);
 
 /// Draws the conclusion from the evidence in `object->hypotheses`: sets
 /// every hypothesis's support, struck and reason, their order, the object's
