@@ -3,12 +3,21 @@
 namespace secondlook::sim {
 namespace {
 
-constexpr int kSegments = 48;  // of a moving obstacle
+constexpr int kSegments = 48;           // of a moving obstacle
+constexpr double kShadowMargin = 0.25;  // [m] around the table
+
+Lighting LightingOf(const Scene& scene) {
+  const Table& table = scene.table;
+  return {scene.lights,
+          scene.ambient,
+          {table.position.x(), table.position.y(), table.height},
+          table.size.norm() / 2 + kShadowMargin};
+}
 
 }  // namespace
 
 SceneRenderer::SceneRenderer(const World& world, const geometry::CameraModel& model)
-    : renderer_(model, {world.scene().lights, world.scene().ambient}) {
+    : renderer_(model, LightingOf(world.scene())) {
   for (const Fixture& fixture : world.fixtures()) {
     fixed_.push_back({renderer_.AddMesh(fixture.mesh), fixture.X_WM, fixture.id});
   }
