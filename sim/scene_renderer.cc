@@ -18,8 +18,10 @@ Lighting LightingOf(const Scene& scene) {
 
 SceneRenderer::SceneRenderer(const World& world, const geometry::CameraModel& model)
     : renderer_(model, LightingOf(world.scene())) {
-  for (const Fixture& fixture : world.fixtures()) {
-    fixed_.push_back({renderer_.AddMesh(fixture.mesh), fixture.X_WM, fixture.id});
+  // Objects first, floor last: what is hidden then need not be shaded.
+  const std::vector<Fixture>& fixtures = world.fixtures();
+  for (auto fixture = fixtures.rbegin(); fixture != fixtures.rend(); ++fixture) {
+    fixed_.push_back({renderer_.AddMesh(fixture->mesh), fixture->X_WM, fixture->id});
   }
   for (const MovingObstacle& obstacle : world.scene().moving_obstacles) {
     const geometry::Mesh mesh = geometry::MakeCylinder(obstacle.radius, obstacle.height, kSegments,
