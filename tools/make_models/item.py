@@ -8,7 +8,7 @@ from prints import Atlas
 
 @dataclass
 class Item:
-    """One object: closed painted parts, grounded, that share an atlas; and its shine (MTL Ks, Ns)."""
+    """One object: closed painted grounded parts that share an atlas; its shine (MTL Ks, Ns)."""
 
     atlas: Atlas
     parts: list[Mesh]

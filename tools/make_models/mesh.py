@@ -55,7 +55,8 @@ def weld(vertices, faces, labels):
     keep = ((faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2])
             & (faces[:, 2] != faces[:, 0]))
     faces = faces[keep]
-    return Mesh(vertices[first], faces, np.asarray(labels)[keep], np.full((len(faces), 3, 2), np.nan))
+    return Mesh(vertices[first], faces, np.asarray(labels)[keep],
+                np.full((len(faces), 3, 2), np.nan))
 
 
 def join(parts):
@@ -97,8 +98,9 @@ def validate(name, parts):
         if part.volume() <= 0:
             raise ValueError(f"{where}: volume {part.volume():.3g} m^3; the surface is inside out")
         if not ((part.uv >= 0) & (part.uv <= 1)).all():
-            bad = set(part.labels[~((part.uv >= 0) & (part.uv <= 1)).all(axis=(1, 2))])
-            raise ValueError(f"{where}: no texture coordinates in [0, 1] for sections {sorted(bad)}")
+            bad = part.labels[~((part.uv >= 0) & (part.uv <= 1)).all(axis=(1, 2))]
+            raise ValueError(f"{where}: no texture coordinates in [0, 1] for sections "
+                             f"{', '.join(sorted(set(bad)))}")
     whole = join(parts)
     extent = whole.vertices.max(axis=0) - whole.vertices.min(axis=0)
     if extent.min() < 0.03 or extent.max() > 0.40:

@@ -1,4 +1,4 @@
-"""Prints: flat pictures painted with Pillow, and the atlas that packs an object's prints together."""
+"""Prints: flat pictures painted with Pillow, and the atlas that packs those of an object."""
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -12,7 +12,8 @@ class Print:
 
     def __init__(self, width, height, color):
         self.width, self.height = int(round(width)), int(round(height))
-        self.image = Image.new("RGB", (self.width * OVERSAMPLING, self.height * OVERSAMPLING), color)
+        self.image = Image.new("RGB", (self.width * OVERSAMPLING, self.height * OVERSAMPLING),
+                               color)
         self.draw = ImageDraw.Draw(self.image)
 
     def _scaled(self, values):
@@ -38,7 +39,8 @@ class Print:
         return self
 
     def line(self, points, width, color):
-        self.draw.line(self._scaled(points), fill=color, width=int(width * OVERSAMPLING), joint="curve")
+        self.draw.line(self._scaled(points), fill=color, width=int(width * OVERSAMPLING),
+                       joint="curve")
         return self
 
     def star(self, x, y, radius, color, points=5, inner=0.45, turn=0.0):
@@ -50,13 +52,14 @@ class Print:
         t = np.linspace(0, 2 * np.pi, 40)
         along, across = length / 2 * np.cos(t), width / 2 * np.sin(t) * np.sin(t / 2)**0.7
         c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-        return self.poly(np.stack([x + c * along - s * across, y + s * along + c * across], 1), color)
+        return self.poly(np.stack([x + c * along - s * across, y + s * along + c * across], 1),
+                         color)
 
     def text(self, x, y, text, size, color, turn=0):
-        """Bold lettering centred at (x, y), turned counter-clockwise by `turn` degrees (a multiple of 90)."""
-        size = size * OVERSAMPLING
-        font = ImageFont.load_default(size)
-        stroke = max(1, int(size / 22))
+        """Bold lettering centred at (x, y), turned by `turn` degrees (a multiple of 90,
+        counter-clockwise)."""
+        font = ImageFont.load_default(size * OVERSAMPLING)
+        stroke = max(1, size * OVERSAMPLING // 22)
         left, top, right, bottom = font.getbbox(text, stroke_width=stroke)
         mask = Image.new("L", (int(right - left) + 2, int(bottom - top) + 2), 0)
         ImageDraw.Draw(mask).text((1 - left, 1 - top), text, 255, font, stroke_width=stroke)
@@ -76,7 +79,8 @@ class Print:
         self.rect(x, y, x + width, y + height, (255, 255, 255))
         for bar in range(int(width) // 3 - 2):
             if (bar * 29 + 7) % 5 < 3:
-                self.rect(x + 3 + bar * 3, y + 3, x + 3 + bar * 3 + 1 + bar % 2, y + height - 3, (0, 0, 0))
+                left = x + 3 + 3 * bar
+                self.rect(left, y + 3, left + 1 + bar % 2, y + height - 3, (0, 0, 0))
         return self
 
     def reduced(self):
@@ -117,13 +121,15 @@ class Atlas:
         return self.swatches[color]
 
     def paint(self, mesh, **sections):
-        """Paints a mesh's sections by name; `rest` paints all others. Each is a plain colour, or a pair
-        of a print and how it lies on the surface: around, or seen from front, back, left, right, top
-        or bottom. Returns the mesh."""
+        """Paints a mesh's sections by name; `rest` paints all others. Each is a plain colour, or a
+        pair of a print and how it lies on the surface: around, or seen from front, back, left,
+        right, top or bottom. Returns the mesh."""
         for name, how in sections.items():
-            chosen = (~np.isin(mesh.labels, list(sections)) if name == "rest" else mesh.labels == name)
+            named = np.isin(mesh.labels, list(sections))
+            chosen = ~named if name == "rest" else mesh.labels == name
             if not chosen.any():
-                raise ValueError(f"no section {name!r}; the mesh has {sorted(set(mesh.labels))}")
+                raise ValueError(f"no section '{name}'; the mesh has "
+                                 f"{', '.join(sorted(set(mesh.labels)))}")
             plain = not isinstance(how[0], Print)
             rect = self.swatch(how) if plain else self.add(how[0])
             local = _seen("top" if plain else how[1], mesh.corners()[chosen])

@@ -11,8 +11,8 @@ from mesh import weld
 
 def skin(rings, labels=None, loop=False):
     """The surface through `rings` (m, k, 3): closed polygons, counter-clockwise about the direction
-    in which they follow each other. `labels` names the m - 1 strips between them. Ends that aren't a
-    point are closed by a fan ("start", "end"); `loop` joins the last ring to the first instead."""
+    in which they follow each other. `labels` names the m - 1 strips between them. Ends that aren't
+    a point are closed by a fan ("start", "end"); `loop` joins the last ring to the first."""
     rings = np.asarray(rings, float)
     if loop:
         rings = np.concatenate([rings, rings[:1]])
@@ -81,9 +81,9 @@ def rounded(points, radius, labels=None, closed=False, step=None):
 
 
 def lathe(profile, radius=0.0015, n=48, step=0.02, shape=None):
-    """Revolves a profile about z: a list of (r, z) or (r, z, label of the side that leads here), from
-    the bottom's centre outwards, up, and back to the axis (or into the vessel). The seam is at +y.
-    `shape(theta, r, z)` scales r, e.g. for ribs; theta runs counter-clockwise from +y."""
+    """Revolves a profile about z: a list of (r, z) or (r, z, label of the side that leads here),
+    from the bottom's centre outwards, up, and back to the axis (or into the vessel). The seam is at
+    +y. `shape(theta, r, z)` scales r, e.g. for ribs; theta runs counter-clockwise from +y."""
     labels = [point[2] if len(point) > 2 else "side" for point in profile[1:]]
     points, names = rounded([point[:2] for point in profile], radius, labels, step=step)
     theta = 2 * np.pi * np.arange(n) / n
@@ -103,14 +103,16 @@ def box(x, y, z, radius=0.002, cells=8):
         ticks = [np.concatenate([[-h, -h + radius / 2], np.linspace(-h + radius, h - radius, cells),
                                  [h - radius / 2, h]]) for h in (half[a], half[b])]
         grid = np.zeros((len(ticks[0]), len(ticks[1]), 3))
-        grid[..., a], grid[..., b], grid[..., c] = ticks[0][:, None], ticks[1][None, :], sign * half[c]
+        grid[..., a], grid[..., b] = ticks[0][:, None], ticks[1][None, :]
+        grid[..., c] = sign * half[c]
         inner = np.clip(grid, -half + radius, half - radius)
         away = grid - inner
         grid = inner + radius * away / np.linalg.norm(away, axis=2, keepdims=True)
         m, k = grid.shape[:2]
         i, j = np.meshgrid(np.arange(m - 1), np.arange(k - 1), indexing="ij")
         q = sum(len(p) for p in points) + (i * k + j).ravel()
-        quads = np.concatenate([np.stack([q, q + k, q + k + 1], 1), np.stack([q, q + k + 1, q + 1], 1)])
+        quads = np.concatenate([np.stack([q, q + k, q + k + 1], 1),
+                                np.stack([q, q + k + 1, q + 1], 1)])
         right_handed = (a, b, c) in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
         triangles.append(quads if right_handed == (sign > 0) else quads[:, ::-1])
         points.append(grid.reshape(-1, 3))
@@ -147,8 +149,8 @@ def _ears(polygon):
 
 
 def extrude(polygon, height, radius=0.002, labels=None, step=0.02, layers=4):
-    """A counter-clockwise polygon (n, 2), corners rounded, drawn from z = 0 to `height`; its rims are
-    rounded too. Sections: one a side of the polygon, "bottom" and "top"."""
+    """A counter-clockwise polygon (n, 2), corners rounded, drawn from z = 0 to `height`; its rims
+    are rounded too. Sections: one a side of the polygon, "bottom" and "top"."""
     p, names = rounded(polygon, radius, labels, closed=True, step=step)
     ahead, behind = np.roll(p, -1, axis=0) - p, p - np.roll(p, 1, axis=0)
     ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
@@ -172,8 +174,8 @@ def extrude(polygon, height, radius=0.002, labels=None, step=0.02, layers=4):
 
 
 def tube(path, radius, n=12, loop=False, squash=1.0):
-    """A tube along `path` (m, 3). `radius` is a number or one a point; the cross-section is `squash`
-    times as wide across the path's plane as in it. Open ends are domed; the domes
+    """A tube along `path` (m, 3). `radius` is a number or one a point; the cross-section is
+    `squash` times as wide across the path's plane as in it. Open ends are domed; the domes
     are the sections "start" and "end"."""
     p = np.asarray(path, float)
     r = np.broadcast_to(np.asarray(radius, float), len(p)).copy()
@@ -197,7 +199,8 @@ def tube(path, radius, n=12, loop=False, squash=1.0):
              * (squash * np.cos(phi)[None, :, None] * side[:, None]
                 + np.sin(phi)[None, :, None] * up[:, None]))
     strips = len(p) - 1
-    return skin(rings, None if loop else ["start"] * 3 + ["side"] * (strips - 6) + ["end"] * 3, loop)
+    return skin(rings, None if loop else ["start"] * 3 + ["side"] * (strips - 6) + ["end"] * 3,
+                loop)
 
 
 def rod(start, end, radius, n=16):
@@ -226,13 +229,13 @@ def ellipsoid(center, radii, n=32, m=20):
 
 
 def loft(sections, n=32, power=2.0):
-    """A surface through upright super-ellipses: rows (x, y, z of the centre, half x, half y), bottom
-    first, joined by a smooth curve; ends rounded off. `power` above 2 makes them squarer."""
+    """A surface through upright super-ellipses: rows (x, y, z of the centre, half x, half y),
+    bottom first, joined by a smooth curve; ends rounded off. `power` above 2 makes them squarer."""
     rows = spline(sections, 6 * len(sections))
     phi = 2 * np.pi * np.arange(n) / n
     c, s = np.cos(phi), np.sin(phi)
     c, s = np.sign(c) * np.abs(c)**(2 / power), np.sign(s) * np.abs(s)**(2 / power)
-    rings = [np.stack([x + hx * k * c, y + hy * k * s, np.full(n, z + dz)], axis=1)
-             for rows_, k, dz in ((rows[:1], 0.93, -0.0015), (rows, 1.0, 0.0), (rows[-1:], 0.93, 0.0015))
-             for x, y, z, hx, hy in rows_]
-    return skin(rings)
+    shrink, rise = np.array([1, 1, 1, 0.93, 0.93]), np.array([0, 0, 0.0015, 0, 0])
+    rows = np.concatenate([[rows[0] * shrink - rise], rows, [rows[-1] * shrink + rise]])
+    return skin([np.stack([x + hx * c, y + hy * s, np.full(n, z)], axis=1)
+                 for x, y, z, hx, hy in rows])

@@ -46,7 +46,7 @@ def write(folder, name, item):
              "texture.png": png.getvalue()}
     for file, limit in (("mesh.obj", MAX_OBJ_BYTES), ("texture.png", MAX_TEXTURE_BYTES)):
         if len(files[file]) > limit:
-            raise ValueError(f"{name}: {file} has {len(files[file])} bytes; at most {limit} allowed")
+            raise ValueError(f"{name}: {file} has {len(files[file])} bytes, over {limit}")
     content_hash = fnv1a64(b"".join(files.values()))
     files["model.yaml"] = (f"format: 1\nname: {name}\nmesh: mesh.obj\nunit: m\n"
                            f'hash: "{content_hash:016x}"\n').encode()

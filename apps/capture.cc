@@ -1,0 +1,40 @@
+#include "apps/capture.h"
+
+namespace secondlook::apps {
+namespace {
+
+constexpr Duration kKeep = Seconds(10);
+/// How long after a frame's time the states may come in.
+constexpr Duration kSettle = Seconds(0.05);
+
+}  // namespace
+
+Capturer::Capturer(hal::Robot* robot, const kinematics::HeadCalibration& calibration)
+    : robot_(robot), calibration_(calibration), X_WB_("X_WB", kKeep), X_BC_("X_BC", kKeep) {}
+
+void Capturer::Poll() {
+  const hal::BaseState base = robot_->base->State();
+  const hal::PanTiltState head = robot_->head->State();
+  X_WB_.Add(base.time, ToPose(base.X_WB));
+  X_BC_.Add(head.time, CameraInBase(calibration_, {head.angles.pan, head.angles.tilt}));
+}
+
+std::optional<Capture> Capturer::Take(Duration timeout) {
+  // Standing still from before the frame to after it, so that both histories cover its time.
+  Poll();
+  robot_->clock->SleepUntil(robot_->clock->Now() + kSettle);
+  Poll();
+  const Time begin = robot_->clock->Now();
+  std::optional<hal::RgbdFrame> frame = robot_->head_camera->Grab(timeout);
+  // A frame from before the last motion ended may still have been waiting.
+  while (frame && frame->time < begin - kSettle) frame = robot_->head_camera->Grab(timeout);
+  if (!frame) return std::nullopt;
+  robot_->clock->SleepUntil(frame->time + kSettle);
+  Poll();
+  const Pose X_WB = X_WB_.At(frame->time);
+  const Pose X_WC = X_WB * X_BC_.At(frame->time);
+  return Capture{*frame, robot_->head_camera->info().model, X_WC,
+                 X_WB.translation() - X_WC.translation()};
+}
+
+}  // namespace secondlook::apps

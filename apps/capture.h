@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+
+#include "lib/common/pose_history.h"
+#include "lib/hal/robot.h"
+#include "lib/kinematics/head.h"
+
+namespace secondlook::apps {
+
+/// A frame and where it was taken from.
+struct Capture {
+  hal::RgbdFrame frame;
+  hal::CameraModel camera;
+  Pose X_WC{Pose::Identity()};  ///< At the frame's time, as localisation and encoders say.
+  Eigen::Vector3d p_CB_W{Eigen::Vector3d::Zero()};  ///< From the camera to the base's origin [m].
+};
+
+/// Takes frames with the camera on the head and finds the camera's pose at the time of measurement
+/// from the histories of base and head.
+class Capturer {
+ public:
+  /// `robot` must outlive this.
+  Capturer(hal::Robot* robot, const kinematics::HeadCalibration& calibration);
+
+  /// Notes where base and head are now. To be called often while they move.
+  void Poll();
+
+  /// The next frame taken from now on, waiting up to `timeout`; empty when none came.
+  /// @throws DeviceError when a device is lost.
+  std::optional<Capture> Take(Duration timeout);
+
+ private:
+  hal::Robot* robot_;
+  kinematics::HeadCalibration calibration_;
+  PoseHistory X_WB_;
+  PoseHistory X_BC_;
+};
+
+}  // namespace secondlook::apps

@@ -1,0 +1,61 @@
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "apps/commands/commands.h"
+#include "lib/world/object_database.h"
+
+namespace secondlook::apps {
+namespace {
+
+struct ModelOptions {
+  std::string mesh;
+  std::string unit;
+  std::string name;
+  std::string models;
+};
+
+void List(const std::string& folder) {
+  const auto database = world::ObjectDatabase::Load(folder);
+  fmt::print("{:24} {:>22} {:>10}  {}\n", "model", "size [m]", "triangles", "hash");
+  for (const world::ObjectModel& model : database.models()) {
+    const Eigen::Vector3d size = geometry::Bounds(model.mesh).sizes();
+    fmt::print("{:24} {:6.3f} x {:5.3f} x {:5.3f} {:10}  {:016x}\n", model.name, size.x(),
+               size.y(), size.z(), model.mesh.triangles.size(), model.hash);
+  }
+}
+
+}  // namespace
+
+void AddModel(CLI::App* app, int*) {
+  CLI::App* model = app->add_subcommand("model", "The objects the robot knows");
+  model->require_subcommand(1);
+  const auto options = std::make_shared<ModelOptions>();  // outlives this function in callbacks
+
+  CLI::App* add = model->add_subcommand("add", "Adds a mesh to a model folder");
+  add->add_option("--mesh", options->mesh, "OBJ, PLY, GLB or STL file")->required();
+  add->add_option("--unit", options->unit, "Its unit of length: m or mm")->required();
+  add->add_option("--name", options->name, "What the object is to be called")->required();
+  add->add_option("--models", options->models, "Model folder; made when missing")->required();
+  add->callback([options] {
+    world::AddModel(options->mesh, geometry::ParseLengthUnit(options->unit), options->name,
+                    options->models);
+    fmt::print("added '{}' to {}\n", options->name, options->models);
+  });
+
+  CLI::App* list = model->add_subcommand("list", "Lists a model folder");
+  list->add_option("--models", options->models, "Model folder")->required();
+  list->callback([options] { List(options->models); });
+
+  CLI::App* remove = model->add_subcommand("remove", "Removes a model from a model folder");
+  remove->add_option("--name", options->name, "Name of the model")->required();
+  remove->add_option("--models", options->models, "Model folder")->required();
+  remove->callback([options] {
+    world::RemoveModel(options->name, options->models);
+    fmt::print("removed '{}' from {}\n", options->name, options->models);
+  });
+}
+
+}  // namespace secondlook::apps

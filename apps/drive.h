@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "apps/capture.h"
+#include "lib/hal/robot.h"
+#include "lib/world/look.h"
+
+namespace secondlook::apps {
+
+/// How moving to a look ended.
+struct DriveOutcome {
+  enum class Kind { kReached, kFailed, kStopped };
+  Kind kind{Kind::kReached};
+  std::string reason;  ///< Why it failed or stopped, with values; empty when reached.
+  double metres{};     ///< Driven, by localisation.
+};
+
+/// Asked often while the robot moves: true when it is to stop.
+using StopRequest = std::function<bool()>;
+
+/// Moves the base along `look.path_W` (not at all when that is empty), then the head to
+/// `look.head`, and waits until both stand still. When `stop` says so, or a motion takes three
+/// times as long as planned plus 15 s, everything is stopped.
+/// @throws DeviceError when a device is lost; everything that can be is stopped before.
+DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, hal::Robot* robot,
+                    Capturer* capturer);
+
+}  // namespace secondlook::apps

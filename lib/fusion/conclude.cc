@@ -1,0 +1,184 @@
+#include "lib/fusion/conclude.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "lib/fusion/dempster_shafer.h"
+
+namespace secondlook::fusion {
+namespace {
+
+using world::ObjectBelief;
+using world::ObjectState;
+using world::PoseHypothesis;
+using world::ViewEvidence;
+
+/// The support that a view gives to a hypothesis.
+double SupportOf(const ViewEvidence& evidence, const ConcludeConfig& config) {
+  const world::Hypothesis& h = evidence.hypothesis;
+  return h.verification.accepted ? h.score : std::min(h.score, config.max_unaccepted);
+}
+
+double LogOdds(double score) {
+  constexpr double kTiny = 1e-12;
+  const double bounded = std::clamp(score, kTiny, 1.0 - kTiny);
+  return std::log(bounded / (1.0 - bounded));
+}
+
+bool Accepted(const PoseHypothesis& hypothesis) {
+  return std::any_of(hypothesis.evidence.begin(), hypothesis.evidence.end(),
+                     [](const ViewEvidence& e) { return e.hypothesis.verification.accepted; });
+}
+
+void Weigh(const ConcludeConfig& config, PoseHypothesis* h) {
+  double weight = 0.0;
+  double sum = 0.0;
+  h->struck = false;
+  h->reason.clear();
+  for (const ViewEvidence& e : h->evidence) {
+    const world::Verification& v = e.hypothesis.verification;
+    weight += v.visible;
+    sum += v.visible * LogOdds(SupportOf(e, config));
+    if (!h->struck && v.visible_fraction >= config.strike_visible_fraction &&
+        e.hypothesis.score < config.strike_score) {
+      h->struck = true;
+      h->reason = fmt::format("view {} contradicts it: {}", e.view, v.reason);
+    }
+  }
+  h->support = weight > 0.0 ? 1.0 / (1.0 + std::exp(-sum / weight)) : 0.0;
+}
+
+/// The best surviving hypothesis of each class. @pre hypotheses are ordered.
+std::map<std::string, const PoseHypothesis*> BestByClass(const ObjectBelief& object) {
+  std::map<std::string, const PoseHypothesis*> best;
+  for (const PoseHypothesis& h : object.hypotheses) {
+    if (!h.struck) best.emplace(h.model, &h);
+  }
+  return best;
+}
+
+world::MassFunction Discounted(world::MassFunction m, double reliability) {
+  for (auto& [c, mass] : m.singletons) mass *= reliability;
+  m.omega = 1.0 - reliability * (1.0 - m.omega);
+  return m;
+}
+
+world::MassFunction FuseViews(const ObjectBelief& object, const ConcludeConfig& config) {
+  const auto best = BestByClass(object);
+  std::set<int> views;
+  for (const auto& [c, h] : best) {
+    for (const ViewEvidence& e : h->evidence) views.insert(e.view);
+  }
+  world::MassFunction fused;
+  for (const int view : views) {
+    std::map<std::string, double> supports;
+    for (const auto& [c, h] : best) {
+      for (const ViewEvidence& e : h->evidence) {
+        if (e.view == view) supports[c] = SupportOf(e, config);
+      }
+    }
+    fused = Combine(fused, Discounted(FromSupports(supports), config.view_reliability));
+  }
+  return fused;
+}
+
+/// Another pose of the best hypothesis's model that the views cannot rule out, or null.
+const PoseHypothesis* PoseRival(const ObjectBelief& object, const ConcludeConfig& config) {
+  const PoseHypothesis& best = object.hypotheses.front();
+  for (const PoseHypothesis& h : object.hypotheses) {
+    if (&h == &best || h.struck || h.model != best.model) continue;
+    if (Lead(config, best, h) < config.min_lead) return &h;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+double Lead(const ConcludeConfig& config, const PoseHypothesis& a, const PoseHypothesis& b) {
+  double lead = 0.0;
+  for (const ViewEvidence& ea : a.evidence) {
+    for (const ViewEvidence& eb : b.evidence) {
+      if (ea.view == eb.view)
+        lead += LogOdds(SupportOf(ea, config)) - LogOdds(SupportOf(eb, config));
+    }
+  }
+  return lead;
+}
+
+void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
+              ObjectBelief* object) {
+  for (PoseHypothesis& h : object->hypotheses) Weigh(config, &h);
+  std::stable_sort(object->hypotheses.begin(), object->hypotheses.end(),
+                   [](const PoseHypothesis& a, const PoseHypothesis& b) {
+                     if (a.struck != b.struck) return b.struck;
+                     return a.support > b.support;
+                   });
+  object->masses = FuseViews(*object, config);
+  object->state = ObjectState::kCandidate;
+
+  const PoseHypothesis* best = object->Best();
+  const double ignorance = NormalisedIgnorance(object->masses);
+  if (best == nullptr || ignorance >= config.unknown_ignorance) {
+    const std::string fits = best == nullptr
+                                 ? "no model in the database fits"
+                                 : fmt::format("the nearest model is '{}' with support {:.2f}",
+                                               best->model, best->support);
+    if (clear_views >= config.unknown_views) {
+      object->state = ObjectState::kUnknown;
+      object->reason =
+          fmt::format("{} after {} clear views; m(Omega) = {:.2f}, m(empty) = {:.2f}", fits,
+                      clear_views, object->masses.omega, object->masses.conflict);
+    } else {
+      object->reason = fmt::format("low confidence: {} in {} clear view{}", fits, clear_views,
+                                   clear_views == 1 ? "" : "s");
+    }
+    return;
+  }
+
+  // The class that the views agree on leads, which need not be that of the single best pose.
+  const auto leader =
+      std::max_element(object->masses.singletons.begin(), object->masses.singletons.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  const std::string& c = leader->first;
+  std::stable_partition(object->hypotheses.begin(), object->hypotheses.end(),
+                        [&](const PoseHypothesis& h) { return !h.struck && h.model == c; });
+  best = &object->hypotheses.front();
+
+  const double belief = NormalisedBelief(object->masses, c);
+  const double needed = task.ConfidenceFor(c);
+  const PoseHypothesis* rival = PoseRival(*object, config);
+  if (belief < needed) {
+    std::string second;
+    double second_mass = 0.0;
+    for (const auto& [other, mass] : object->masses.singletons) {
+      if (other == c || mass <= second_mass) continue;
+      second = other;
+      second_mass = mass;
+    }
+    object->reason =
+        second_mass > 0.1 * leader->second
+            ? fmt::format("several hypotheses: '{}' at {:.2f}, '{}' at {:.2f}; needs {:.2f}", c,
+                          belief, second, NormalisedBelief(object->masses, second), needed)
+            : fmt::format("low confidence: '{}' at {:.2f}; needs {:.2f}", c, belief, needed);
+  } else if (!Accepted(*best)) {
+    object->reason = fmt::format("'{}' at {:.2f}, but no view has verified its pose: {}", c, belief,
+                                 best->evidence.back().hypothesis.verification.reason);
+  } else if (rival != nullptr) {
+    object->reason = fmt::format(
+        "'{}' at {:.2f}, but its pose is open: two differ by {:.0f} deg "
+        "and fit {:.2f} and {:.2f}",
+        c, belief, RotationDistance(best->X_WM.linear(), rival->X_WM.linear()) * 57.29577951308232,
+        best->support, rival->support);
+  } else {
+    object->state = ObjectState::kVerified;
+    object->reason = fmt::format("'{}' at {:.3f} from {} view{}", c, belief, best->evidence.size(),
+                                 best->evidence.size() == 1 ? "" : "s");
+  }
+}
+
+}  // namespace secondlook::fusion

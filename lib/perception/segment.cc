@@ -1,0 +1,412 @@
+#include "lib/perception/segment.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <numeric>
+#include <set>
+#include <unordered_map>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <opencv2/imgproc.hpp>
+
+#include "lib/common/error.h"
+#include "lib/common/rng.h"
+
+namespace secondlook::perception {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr int kRansacRounds = 400;
+constexpr int kRansacPoints = 6000;
+constexpr int kMaxPlanes = 5;
+constexpr double kThinning = 0.02;               // [m]
+constexpr double kMaxTiltBetweenPlanes = 0.035;  // [rad]
+
+struct Plane {
+  Vector3d normal;
+  double offset;
+};
+
+/// How far from a plane a point at depth z may lie and still belong to it.
+double PlaneTolerance(double z) { return std::max(0.006, 2.5 * geometry::DepthSigma(z)); }
+
+bool LiesOn(const Plane& plane, const Vector3f& p) {
+  return std::abs(plane.normal.dot(p.cast<double>()) - plane.offset) < PlaneTolerance(p.z());
+}
+
+/// The measured points that can belong to a table or to what stands on it, as indices.
+std::vector<int> Candidates(const geometry::PointImage& cloud, const Vector3d& up_C,
+                            double max_range, double max_drop) {
+  std::vector<int> indices;
+  const Vector3f up = up_C.cast<float>();
+  for (int i = 0; i < static_cast<int>(cloud.points_C.size()); ++i) {
+    const Vector3f& p = cloud.points_C[i];
+    if (!geometry::IsMeasured(p) || p.norm() > max_range) continue;
+    if (up.dot(p) < -max_drop) continue;
+    indices.push_back(i);
+  }
+  return indices;
+}
+
+void RefuseWrongUnit(const geometry::PointImage& cloud) {
+  std::vector<float> distances;
+  for (const Vector3f& p : cloud.points_C) {
+    if (geometry::IsMeasured(p)) distances.push_back(p.norm());
+  }
+  if (distances.empty()) return;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  if (*middle > 50.0F) {
+    Throw<InvalidArgument>(
+        "the cloud's median distance is {:.1f} m, which no table's is; was it declared in the "
+        "wrong "
+        "unit (millimetres taken for metres)?",
+        *middle);
+  }
+}
+
+/// Least squares over the points near the plane; the normal keeps to the side of `up`.
+Plane Refit(const std::vector<Vector3f>& points, const Plane& plane, const Vector3d& up) {
+  Vector3d mean = Vector3d::Zero();
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  double count = 0.0;
+  for (const Vector3f& point : points) {
+    if (!LiesOn(plane, point)) continue;
+    const Vector3d p = point.cast<double>();
+    mean += p;
+    moments += p * p.transpose();
+    count += 1.0;
+  }
+  if (count < 3.0) return plane;
+  mean /= count;
+  const Eigen::Matrix3d covariance = moments / count - mean * mean.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  Vector3d normal = eigen.eigenvectors().col(0);
+  if (normal.dot(up) < 0.0) normal = -normal;
+  return {normal, normal.dot(mean)};
+}
+
+/// A random point between 5 and 40 cm from `p`: one that may well lie on the same table, where most
+/// of what the camera sees is floor and wall. After some vain tries, any point.
+const Vector3f& PointNear(const std::vector<Vector3f>& points, const Vector3f& p, Rng* rng) {
+  constexpr int kTries = 60;
+  for (int i = 0; i < kTries; ++i) {
+    const Vector3f& other = points[rng->Index(static_cast<int>(points.size()))];
+    const float distance = (other - p).norm();
+    if (distance > 0.05F && distance < 0.4F) return other;
+  }
+  return p;
+}
+
+/// The plane with the most points whose normal lies within `max_tilt` [rad] of `up`.
+std::optional<Plane> Ransac(const std::vector<Vector3f>& points, const Vector3d& up,
+                            double max_tilt, Rng* rng) {
+  const double min_cosine = std::cos(max_tilt);
+  const int count = static_cast<int>(points.size());
+  std::optional<Plane> best;
+  int best_inliers = 0;
+  for (int round = 0; round < kRansacRounds; ++round) {
+    const Vector3f& first = points[rng->Index(count)];
+    const Vector3d a = first.cast<double>();
+    const Vector3d b = PointNear(points, first, rng).cast<double>();
+    const Vector3d c = PointNear(points, first, rng).cast<double>();
+    Vector3d normal = (b - a).cross(c - a);
+    if (normal.norm() < 1e-5) continue;  // nearly on one line
+    normal.normalize();
+    if (normal.dot(up) < 0.0) normal = -normal;
+    if (normal.dot(up) < min_cosine) continue;
+    const Plane plane{normal, normal.dot(a)};
+    const int inliers = static_cast<int>(std::count_if(
+        points.begin(), points.end(), [&](const Vector3f& p) { return LiesOn(plane, p); }));
+    if (inliers > best_inliers) {
+      best_inliers = inliers;
+      best = plane;
+    }
+  }
+  return best;
+}
+
+/// Two axes that span the plane with this normal.
+std::array<Vector3d, 2> PlaneAxes(const Vector3d& normal) {
+  const Vector3d u = normal.unitOrthogonal();
+  return {u, normal.cross(u)};
+}
+
+cv::Point2f OnPlane(const std::array<Vector3d, 2>& axes, const Vector3d& p) {
+  return {static_cast<float>(axes[0].dot(p)), static_cast<float>(axes[1].dot(p))};
+}
+
+/// The largest patch of the plane: points more than 4 cm apart do not connect.
+std::vector<Vector3d> LargestPatch(const std::vector<Vector3d>& points, const Vector3d& normal) {
+  constexpr float kCell = 0.02F;
+  const auto axes = PlaneAxes(normal);
+  std::vector<cv::Point2f> flat;
+  for (const Vector3d& p : points) flat.push_back(OnPlane(axes, p));
+  const cv::Rect2f bounds = cv::boundingRect(flat);
+  cv::Mat cells = cv::Mat::zeros(static_cast<int>(bounds.height / kCell) + 2,
+                                 static_cast<int>(bounds.width / kCell) + 2, CV_8U);
+  const auto cell_of = [&](const cv::Point2f& p) {
+    return cv::Point(static_cast<int>((p.x - bounds.x) / kCell),
+                     static_cast<int>((p.y - bounds.y) / kCell));
+  };
+  for (const cv::Point2f& p : flat) cells.at<std::uint8_t>(cell_of(p)) = 255;
+  cv::dilate(cells, cells, cv::Mat::ones(3, 3, CV_8U));
+  cv::Mat labels;
+  const int label_count = cv::connectedComponents(cells, labels, 8, CV_32S);
+  std::vector<int> sizes(label_count, 0);
+  for (const cv::Point2f& p : flat) ++sizes[labels.at<int>(cell_of(p))];
+  const int largest =
+      static_cast<int>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
+  std::vector<Vector3d> patch;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (labels.at<int>(cell_of(flat[i])) == largest) patch.push_back(points[i]);
+  }
+  return patch;
+}
+
+/// The convex extent of points on a plane, in the plane's axes.
+std::vector<cv::Point2f> ConvexExtent(const std::vector<Vector3d>& points,
+                                      const std::array<Vector3d, 2>& axes) {
+  std::vector<cv::Point2f> flat;
+  for (const Vector3d& p : points) flat.push_back(OnPlane(axes, p));
+  std::vector<cv::Point2f> hull;
+  cv::convexHull(flat, hull);
+  return hull;
+}
+
+/// One point for each cell of kThinning on the plane.
+std::vector<Vector3d> Thinned(const std::vector<Vector3d>& points, const Vector3d& normal) {
+  const auto axes = PlaneAxes(normal);
+  std::set<std::pair<int, int>> taken;
+  std::vector<Vector3d> thinned;
+  for (const Vector3d& p : points) {
+    const int u = static_cast<int>(std::floor(axes[0].dot(p) / kThinning));
+    const int v = static_cast<int>(std::floor(axes[1].dot(p) / kThinning));
+    if (taken.insert({u, v}).second) thinned.push_back(p);
+  }
+  return thinned;
+}
+
+struct PlaneSearch {
+  std::optional<world::SupportPlane> plane;
+  std::vector<Vector3d> patch;  ///< The points it was fitted to.
+  std::string reason;
+};
+
+/// Of the planes with a normal near `up`, the highest that is large enough.
+PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vector<int>& candidates,
+                             const Vector3d& up, const SegmentConfig& config) {
+  Rng rng(1);  // chance in finding a plane, not in the result: any seed serves
+  const std::size_t stride = std::max<std::size_t>(1, candidates.size() / kRansacPoints);
+  std::vector<Vector3f> sample;
+  for (std::size_t i = 0; i < candidates.size(); i += stride) {
+    sample.push_back(cloud.points_C[candidates[i]]);
+  }
+  Vector3d level = up;
+  double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
+  PlaneSearch highest;
+  double highest_height = 0.0;
+  int most_points = 0;
+  double largest_area = 0.0;
+  for (int round = 0; round < kMaxPlanes && sample.size() >= 10; ++round) {
+    std::optional<Plane> plane = Ransac(sample, level, max_tilt, &rng);
+    if (!plane) break;
+    for (int i = 0; i < 3; ++i) plane = Refit(sample, *plane, up);
+    std::erase_if(sample, [&](const Vector3f& p) { return LiesOn(*plane, p); });
+    std::vector<Vector3d> inliers;
+    for (const int i : candidates) {
+      if (LiesOn(*plane, cloud.points_C[i])) inliers.push_back(cloud.points_C[i].cast<double>());
+    }
+    // The best fit to a strip of wall is the wall.
+    if (plane->normal.dot(level) < std::cos(max_tilt)) continue;
+    most_points = std::max(most_points, static_cast<int>(inliers.size()));
+    if (static_cast<int>(inliers.size()) < config.min_plane_points) continue;
+    std::vector<Vector3d> patch = LargestPatch(inliers, plane->normal);
+    // Not the convex extent: a plane through the flanks of many things has that, but no surface.
+    const double area =
+        kThinning * kThinning * static_cast<double>(Thinned(patch, plane->normal).size());
+    largest_area = std::max(largest_area, area);
+    const auto corners = FitRectangle(patch, plane->normal, plane->offset);
+    const double width =
+        std::min((corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm());
+    if (area < config.min_plane_area_m2 || width < config.min_plane_width_m) continue;
+    // Whatever else is level is parallel to the first, which has the most points.
+    level = plane->normal;
+    max_tilt = kMaxTiltBetweenPlanes;
+    double height = 0.0;
+    for (const Vector3d& p : patch) height += level.dot(p) / static_cast<double>(patch.size());
+    if (highest.plane && height < highest_height) continue;
+    highest_height = height;
+    highest.plane = {plane->normal, plane->offset, corners, static_cast<int>(patch.size())};
+    highest.patch = std::move(patch);
+  }
+  if (!highest.plane) {
+    highest.reason = fmt::format(
+        "no support plane: of the planes within {} deg of level, the one with the most points has "
+        "{} "
+        "(needs {}) and the largest covers {:.3f} m2 (needs {}, and a width of {} m); {} points "
+        "within {} "
+        "m were looked at",
+        config.max_tilt_deg, most_points, config.min_plane_points, largest_area,
+        config.min_plane_area_m2, config.min_plane_width_m, candidates.size(), config.max_range_m);
+  }
+  return highest;
+}
+
+/// Groups points whose distance is below `gap`, by voxels of half that size; labels count from 0.
+std::vector<int> ClusterLabels(const std::vector<Vector3d>& points, double gap) {
+  const double cell = gap / 2.0;
+  const auto key_of = [](const Eigen::Vector3i& c) {
+    constexpr std::int64_t kBias = 1 << 20;
+    return ((c.x() + kBias) << 42) | ((c.y() + kBias) << 21) | (c.z() + kBias);
+  };
+  struct Voxel {
+    Eigen::Vector3i cell;
+    Vector3d sum{Vector3d::Zero()};
+    int count{};
+    int parent{};
+  };
+  std::vector<Voxel> voxels;
+  std::vector<int> voxel_of;
+  std::unordered_map<std::int64_t, int> index;  // for look-up only; the order is that of `voxels`
+  for (const Vector3d& p : points) {
+    const Eigen::Vector3i c = (p / cell).array().floor().cast<int>();
+    const auto [entry, is_new] = index.try_emplace(key_of(c), static_cast<int>(voxels.size()));
+    if (is_new) voxels.push_back({c, Vector3d::Zero(), 0, entry->second});
+    Voxel& voxel = voxels[entry->second];
+    voxel.sum += p;
+    ++voxel.count;
+    voxel_of.push_back(entry->second);
+  }
+  const auto root = [&](int i) {
+    while (voxels[i].parent != i) i = voxels[i].parent = voxels[voxels[i].parent].parent;
+    return i;
+  };
+  for (int i = 0; i < static_cast<int>(voxels.size()); ++i) {
+    const Vector3d mean = voxels[i].sum / voxels[i].count;
+    for (int n = 0; n < 125; ++n) {
+      const Eigen::Vector3i offset(n % 5 - 2, n / 5 % 5 - 2, n / 25 - 2);
+      const auto neighbour = index.find(key_of(voxels[i].cell + offset));
+      if (neighbour == index.end() || neighbour->second <= i) continue;
+      const Voxel& other = voxels[neighbour->second];
+      if ((other.sum / other.count - mean).norm() < gap) {
+        voxels[root(neighbour->second)].parent = root(i);
+      }
+    }
+  }
+  std::vector<int> label(voxels.size(), -1);
+  int next = 0;
+  std::vector<int> labels;
+  for (const int v : voxel_of) {
+    int& l = label[root(v)];
+    if (l < 0) l = next++;
+    labels.push_back(l);
+  }
+  return labels;
+}
+
+/// The points that stand over the convex extent of the plane's patch, as indices.
+std::vector<int> PointsAbove(const geometry::PointImage& cloud, const std::vector<int>& candidates,
+                             const world::SupportPlane& plane, const std::vector<Vector3d>& patch,
+                             const SegmentConfig& config) {
+  const auto axes = PlaneAxes(plane.normal_A);
+  const std::vector<cv::Point2f> hull = ConvexExtent(patch, axes);
+  std::vector<int> above;
+  for (const int i : candidates) {
+    const Vector3d p = cloud.points_C[i].cast<double>();
+    const double height = plane.HeightOf(p);
+    if (height < std::max(config.min_height_m, 3.0 * geometry::DepthSigma(p.z()))) continue;
+    if (height > config.max_height_m) continue;
+    if (cv::pointPolygonTest(hull, OnPlane(axes, p), true) < -config.edge_clearance_m) continue;
+    above.push_back(i);
+  }
+  return above;
+}
+
+bool OnBorder(const geometry::PointImage& cloud, int pixel) {
+  const int u = pixel % cloud.width;
+  const int v = pixel / cloud.width;
+  return u < 2 || v < 2 || u >= cloud.width - 2 || v >= cloud.height - 2;
+}
+
+std::vector<world::Cluster> MakeClusters(const geometry::PointImage& cloud,
+                                         const std::vector<int>& above,
+                                         const SegmentConfig& config) {
+  std::vector<Vector3d> points;
+  for (const int i : above) points.push_back(cloud.points_C[i].cast<double>());
+  const std::vector<int> labels = ClusterLabels(points, config.cluster_gap_m);
+  std::vector<world::Cluster> clusters;
+  for (std::size_t i = 0; i < above.size(); ++i) {
+    if (labels[i] >= static_cast<int>(clusters.size())) clusters.emplace_back();
+    world::Cluster& cluster = clusters[labels[i]];
+    cluster.pixels.push_back(above[i]);
+    cluster.points_C.push_back(points[i]);
+    cluster.center_C += points[i];
+    if (cloud.organised() && OnBorder(cloud, above[i])) cluster.touches_border = true;
+  }
+  std::erase_if(clusters, [&](const world::Cluster& cluster) {
+    return static_cast<int>(cluster.pixels.size()) < config.min_cluster_points;
+  });
+  for (world::Cluster& cluster : clusters) {
+    cluster.center_C /= static_cast<double>(cluster.points_C.size());
+  }
+  std::stable_sort(clusters.begin(), clusters.end(),
+                   [](const auto& a, const auto& b) { return a.pixels.size() > b.pixels.size(); });
+  return clusters;
+}
+
+}  // namespace
+
+std::array<Vector3d, 4> FitRectangle(const std::vector<Vector3d>& points_C,
+                                     const Vector3d& normal_C, double offset) {
+  const auto axes = PlaneAxes(normal_C);
+  std::vector<cv::Point2f> flat;
+  for (const Vector3d& p : points_C) flat.push_back(OnPlane(axes, p));
+  std::array<Vector3d, 4> corners;
+  if (flat.empty()) {
+    corners.fill(normal_C * offset);
+    return corners;
+  }
+  std::array<cv::Point2f, 4> flat_corners;
+  cv::minAreaRect(flat).points(flat_corners.data());
+  for (int i = 0; i < 4; ++i) {
+    corners[i] = axes[0] * flat_corners[i].x + axes[1] * flat_corners[i].y + normal_C * offset;
+  }
+  const bool clockwise =
+      (corners[1] - corners[0]).cross(corners[2] - corners[1]).dot(normal_C) < 0.0;
+  if (clockwise) std::reverse(corners.begin(), corners.end());
+  return corners;
+}
+
+Segmentation Segment(const geometry::PointImage& cloud, const Vector3d& up_C,
+                     const SegmentConfig& config, double max_drop) {
+  if (!up_C.allFinite() || up_C.norm() < 1e-9) {
+    Throw<InvalidArgument>("up = ({}, {}, {}) must be a direction", up_C.x(), up_C.y(), up_C.z());
+  }
+  RefuseWrongUnit(cloud);
+  const Vector3d up = up_C.normalized();
+  const std::vector<int> candidates = Candidates(cloud, up, config.max_range_m, max_drop);
+  PlaneSearch search = FindSupportPlane(cloud, candidates, up, config);
+  if (!search.plane) return {std::nullopt, {}, {}, search.reason};
+
+  const std::vector<int> above =
+      PointsAbove(cloud, candidates, *search.plane, search.patch, config);
+  Segmentation result{search.plane, Thinned(search.patch, search.plane->normal_A),
+                      MakeClusters(cloud, above, config), ""};
+  if (result.clusters.empty()) {
+    result.reason = fmt::format(
+        "nothing stands on the support plane: {} points above it form no "
+        "cluster of {} points",
+        above.size(), config.min_cluster_points);
+  }
+  return result;
+}
+
+}  // namespace secondlook::perception

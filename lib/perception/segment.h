@@ -1,0 +1,72 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "lib/geometry/point_image.h"
+#include "lib/world/observation.h"
+#include "lib/world/support_plane.h"
+
+namespace secondlook::perception {
+
+/// How a view is cut into the plane that things stand on and the things.
+struct SegmentConfig {
+  double max_tilt_deg = 10.0;       ///< A support plane's normal lies this near to `up`.
+  double max_range_m = 3.0;         ///< Points farther from the camera are left out.
+  int min_plane_points = 1500;      ///< A plane with fewer is none.
+  double min_plane_area_m2 = 0.06;  ///< Of what was seen of it; the top of a box has less.
+  double min_plane_width_m =
+      0.12;                     ///< The shorter side of its rectangle; a strip of wall has less.
+  double min_height_m = 0.008;  ///< Lower than this, and than 3 sigma of the depth, is the plane.
+  double max_height_m = 0.6;    ///< Higher than this is not on the table.
+  double edge_clearance_m = 0.02;  ///< How far beyond the plane's convex extent things may reach.
+  double cluster_gap_m = 0.015;    ///< Things farther apart are two.
+  int min_cluster_points = 120;    ///< Smaller clusters are noise.
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("max_tilt_deg", &max_tilt_deg);
+    a->Visit("max_range_m", &max_range_m);
+    a->Visit("min_plane_points", &min_plane_points);
+    a->Visit("min_plane_area_m2", &min_plane_area_m2);
+    a->Visit("min_plane_width_m", &min_plane_width_m);
+    a->Visit("min_height_m", &min_height_m);
+    a->Visit("max_height_m", &max_height_m);
+    a->Visit("edge_clearance_m", &edge_clearance_m);
+    a->Visit("cluster_gap_m", &cluster_gap_m);
+    a->Visit("min_cluster_points", &min_cluster_points);
+  }
+};
+
+/// A view cut into plane and things.
+struct Segmentation {
+  std::optional<world::SupportPlane> plane_C;  ///< In the camera frame.
+  /// The plane's measured points, thinned to about 2 cm: what its rectangle was fitted to [m].
+  std::vector<Eigen::Vector3d> plane_points_C;
+  std::vector<world::Cluster> clusters;  ///< Largest first.
+  /// Why there is no plane, or no cluster, with values; empty when there are both.
+  std::string reason;
+};
+
+/// Finds the support plane by RANSAC: of the planes whose normal lies near `up_C`, the unit vector
+/// against gravity in the camera frame (a wall is not a table), the highest that is large enough
+/// (the floor is not a table either), then what stands on it: points over the convex extent of the
+/// plane, clustered by Euclidean distance.
+/// Points lower than `max_drop` [m] below the camera are left out: where the camera's height is
+/// known, that takes the floor out of the question.
+/// Deterministic: the same points give the same result.
+/// @throws InvalidArgument when `up_C` is not finite or zero, or when the cloud's values show that
+/// it is not in metres (the median distance is over 50 m).
+Segmentation Segment(const geometry::PointImage& cloud, const Eigen::Vector3d& up_C,
+                     const SegmentConfig& config,
+                     double max_drop = std::numeric_limits<double>::infinity());
+
+/// Fits the smallest-area rectangle around points that lie on the plane (`normal_C`, `offset`).
+std::array<Eigen::Vector3d, 4> FitRectangle(const std::vector<Eigen::Vector3d>& points_C,
+                                            const Eigen::Vector3d& normal_C, double offset);
+
+}  // namespace secondlook::perception

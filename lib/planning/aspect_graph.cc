@@ -1,0 +1,462 @@
+#include "lib/planning/aspect_graph.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "lib/common/error.h"
+#include "lib/common/parallel.h"
+#include "lib/geometry/point_image.h"
+
+namespace secondlook::planning {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+constexpr std::array<std::pair<const char*, LookStrategy>, 5> kStrategies = {
+    {{"gain per second", LookStrategy::kGainPerSecond},
+     {"McGreavy", LookStrategy::kMcGreavy},
+     {"nearest", LookStrategy::kNearest},
+     {"random", LookStrategy::kRandom},
+     {"fixed step", LookStrategy::kFixedStep}}};
+
+/// A ray of the modelled camera that meets the target's box.
+struct BoxRay {
+  Eigen::Vector3d direction_W;  ///< 1 along the optical axis, so distances are depths.
+  double chance{};              ///< To arrive at the box, in [0, 1]; 0: stopped.
+  bool stopped{};
+};
+
+/// Where the ray from `from_W` enters the box; empty when it misses it. 0 from inside.
+std::optional<double> Entry(const Eigen::AlignedBox3d& box_W, const Eigen::Vector3d& from_W,
+                            const Eigen::Vector3d& direction_W) {
+  double enter = 0.0;
+  double leave = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = box_W.min()[axis] - from_W[axis];
+    const double high = box_W.max()[axis] - from_W[axis];
+    if (direction_W[axis] == 0.0) {
+      if (low > 0.0 || high < 0.0) return std::nullopt;
+      continue;
+    }
+    const double a = low / direction_W[axis];
+    const double b = high / direction_W[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  if (enter > leave) return std::nullopt;
+  return enter;
+}
+
+/// The pixels, first and last along each axis, outside of which no ray meets the box.
+struct PixelRange {
+  Eigen::Vector2i first;
+  Eigen::Vector2i last;
+};
+
+PixelRange Projection(const Eigen::AlignedBox3d& box_W, const geometry::CameraModel& camera,
+                      const Pose& X_WC) {
+  const Eigen::Vector2i end(camera.width - 1, camera.height - 1);
+  Eigen::AlignedBox2d pixels;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d p_CQ =
+        X_WC.inverse() * box_W.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+    if (p_CQ.z() < 1e-3) return {Eigen::Vector2i::Zero(), end};  // beside or behind the lens
+    pixels.extend(Eigen::Vector2d(camera.fx * p_CQ.x() / p_CQ.z() + camera.cx,
+                                  camera.fy * p_CQ.y() / p_CQ.z() + camera.cy));
+  }
+  const auto clamp = [&](const Eigen::Array2d& pixel) -> Eigen::Vector2i {
+    return pixel.max(-1.0).min(end.cast<double>().array() + 1.0).cast<int>();
+  };
+  return {clamp(pixels.min().array().ceil()).cwiseMax(0),
+          clamp(pixels.max().array().floor()).cwiseMin(end)};
+}
+
+/// The environment analysis of one candidate.
+std::vector<BoxRay> SurvivingRays(const world::VoxelSpace& space,
+                                  const geometry::CameraModel& camera, const Pose& X_WC,
+                                  const Eigen::AlignedBox3d& box_W, const AspectGraphConfig& config,
+                                  AspectScore* score) {
+  // Not grown downwards: what lies below the target holds it and belongs to it nowhere.
+  Eigen::AlignedBox3d around_W = box_W;
+  around_W.min().head<2>().array() -= config.box_margin_m;
+  around_W.max().array() += config.box_margin_m;
+
+  std::vector<BoxRay> rays;
+  const Eigen::Vector3d p_WC = X_WC.translation();
+  const PixelRange range = Projection(box_W, camera, X_WC);
+  for (int v = range.first.y(); v <= range.last.y(); ++v) {
+    for (int u = range.first.x(); u <= range.last.x(); ++u) {
+      const Eigen::Vector3d direction_W = X_WC.linear() * camera.Ray(u, v);
+      if (!Entry(box_W, p_WC, direction_W)) continue;
+      const double entry = Entry(around_W, p_WC, direction_W).value_or(0.0);
+      const world::Passage passage = space.Cast(p_WC, p_WC + entry * direction_W);
+      const bool through_unknown = !passage.blocked && passage.unknown > config.unknown_m;
+      const double chance = passage.blocked ? 0.0 : through_unknown ? config.unknown_survival : 1.0;
+      rays.push_back({direction_W, chance, passage.blocked});
+      score->blocked += passage.blocked ? 1.0 : 0.0;
+      score->through_unknown += through_unknown ? 1.0 : 0.0;
+      score->surviving += chance;
+    }
+  }
+  score->box_rays = static_cast<int>(rays.size());
+  if (rays.empty()) return rays;
+  score->blocked /= score->box_rays;
+  score->through_unknown /= score->box_rays;
+  score->surviving /= score->box_rays;
+  return rays;
+}
+
+std::vector<geometry::RayHit> CastAt(const PosedModel& model, const Pose& X_WC,
+                                     const std::vector<BoxRay>& rays) {
+  const Pose X_MW = model.X_WM.inverse();
+  const Eigen::Vector3f p_MC = (X_MW * X_WC.translation()).cast<float>();
+  std::vector<geometry::Ray> rays_M;
+  rays_M.reserve(rays.size());
+  for (const BoxRay& ray : rays) {
+    rays_M.push_back({p_MC, (X_MW.linear() * ray.direction_W).cast<float>()});
+  }
+  return model.caster->Cast(rays_M);
+}
+
+/// The model analysis of one candidate for one hypothesis.
+ModelVisibility Visibility(const PosedModel& model, const geometry::CameraModel& camera,
+                           const std::vector<BoxRay>& rays,
+                           const std::vector<geometry::RayHit>& hits) {
+  ModelVisibility visibility;
+  const Eigen::Matrix3d R_MW = model.X_WM.linear().transpose();
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (hits[i].triangle < 0 || rays[i].stopped) continue;
+    visibility.box_share += rays[i].chance;
+    visibility.view_share += 1.0;
+    // A pixel's patch of a surface at depth z: z^2 / (fx fy |n . direction|).
+    const double slant = std::abs(hits[i].normal_M.cast<double>().dot(R_MW * rays[i].direction_W));
+    const double z = hits[i].distance;
+    if (slant > 1e-3) visibility.area += rays[i].chance * z * z / (camera.fx * camera.fy * slant);
+  }
+  if (!rays.empty()) visibility.box_share /= static_cast<double>(rays.size());
+  visibility.view_share /= static_cast<double>(camera.width) * camera.height;
+  return visibility;
+}
+
+/// Sum minus the differences (McGreavy 2016, Multi-object Disambiguation).
+double CompromiseScore(const std::vector<ModelVisibility>& models) {
+  double score = 0.0;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    score += models[i].view_share;
+    for (std::size_t j = 0; j < i; ++j) {
+      score -= std::abs(models[i].view_share - models[j].view_share);
+    }
+  }
+  return score;
+}
+
+/// True when the camera would measure something else on the two models.
+bool Differs(const PosedModel& a, const geometry::RayHit& hit_a, const PosedModel& b,
+             const geometry::RayHit& hit_b, const AspectGraphConfig& config) {
+  if (hit_a.triangle < 0 || hit_b.triangle < 0) return true;  // one of them lets the ray by
+  const double sigma = geometry::DepthSigma(0.5 * (hit_a.distance + hit_b.distance));
+  if (std::abs(hit_a.distance - hit_b.distance) > config.depth_sigmas * sigma) return true;
+  const Eigen::Vector3f color_a = geometry::ColorAt(*a.mesh, hit_a.triangle, hit_a.weights);
+  const Eigen::Vector3f color_b = geometry::ColorAt(*b.mesh, hit_b.triangle, hit_b.weights);
+  return (color_a - color_b).cwiseAbs().maxCoeff() > config.color_difference;
+}
+
+/// The share of the rays to either model on which they differ, what does not arrive counted as
+/// equal.
+double Difference(const PosedModel& a, const std::vector<geometry::RayHit>& hits_a,
+                  const PosedModel& b, const std::vector<geometry::RayHit>& hits_b,
+                  const std::vector<BoxRay>& rays, const AspectGraphConfig& config) {
+  double either = 0.0;
+  double different = 0.0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (hits_a[i].triangle < 0 && hits_b[i].triangle < 0) continue;
+    either += 1.0;
+    if (rays[i].chance > 0.0 && Differs(a, hits_a[i], b, hits_b[i], config)) {
+      different += rays[i].chance;
+    }
+  }
+  return either > 0.0 ? different / either : 0.0;
+}
+
+/// 0 .. 1: how far `direction_W` is from all that were seen, at least `same_view_novelty`.
+double Novelty(const Eigen::Vector3d& direction_W, const AspectTarget& target,
+               const AspectGraphConfig& config) {
+  double nearest = std::numbers::pi;
+  for (const Eigen::Vector3d& seen_W : target.seen_from_W) {
+    nearest = std::min(nearest, std::acos(std::clamp(seen_W.dot(direction_W), -1.0, 1.0)));
+  }
+  const double same = config.same_view_deg * kDegree;
+  const double new_view =
+      (target.hypotheses.empty() ? config.new_view_unknown_deg : config.new_view_deg) * kDegree;
+  const double share = std::clamp((nearest - same) / (new_view - same), 0.0, 1.0);
+  return config.same_view_novelty + (1.0 - config.same_view_novelty) * share;
+}
+
+/// The beliefs, summing to 1.
+std::vector<double> Beliefs(const std::vector<PosedModel>& hypotheses) {
+  double sum = 0.0;
+  for (const PosedModel& model : hypotheses) sum += model.belief;
+  std::vector<double> beliefs;
+  for (const PosedModel& model : hypotheses) {
+    beliefs.push_back(sum > 0.0 ? model.belief / sum
+                                : 1.0 / static_cast<double>(hypotheses.size()));
+  }
+  return beliefs;
+}
+
+AspectScore Analyse(const world::VoxelSpace& space, const geometry::CameraModel& camera,
+                    const AspectTarget& target, const Pose& X_WC, const AspectGraphConfig& config) {
+  AspectScore score;
+  score.novelty =
+      Novelty((X_WC.translation() - target.box_W.center()).normalized(), target, config);
+  const std::vector<BoxRay> rays = SurvivingRays(space, camera, X_WC, target.box_W, config, &score);
+  std::vector<std::vector<geometry::RayHit>> hits;
+  for (const PosedModel& model : target.hypotheses) {
+    hits.push_back(CastAt(model, X_WC, rays));
+    score.models.push_back(Visibility(model, camera, rays, hits.back()));
+  }
+  score.view_score = CompromiseScore(score.models);
+  if (target.hypotheses.empty()) {  // the box stands for the model
+    score.view_score = score.box_rays * (1.0 - score.blocked) /
+                       (static_cast<double>(camera.width) * camera.height);
+  }
+
+  const std::vector<double> beliefs = Beliefs(target.hypotheses);
+  double pairs = 0.0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double weight = beliefs[i] * beliefs[j];
+      if (!(weight > 0.0)) continue;
+      pairs += weight;
+      score.difference += weight * Difference(target.hypotheses[i], hits[i], target.hypotheses[j],
+                                              hits[j], rays, config);
+    }
+  }
+  if (pairs > 0.0) score.difference /= pairs;
+  return score;
+}
+
+double MeanVisibility(const AspectTarget& target, const AspectScore& score) {
+  if (target.hypotheses.empty()) return score.surviving;
+  const std::vector<double> beliefs = Beliefs(target.hypotheses);
+  double mean = 0.0;
+  for (std::size_t i = 0; i < beliefs.size(); ++i) mean += beliefs[i] * score.models[i].box_share;
+  return mean;
+}
+
+double Gain(const AspectTarget& target, const AspectScore& score, double visibility,
+            const AspectGraphConfig& config) {
+  const double gain = target.worth * score.novelty * visibility;
+  if (target.hypotheses.size() < 2) return gain;
+  return gain * (1.0 - std::exp(-score.difference / config.settling_difference));
+}
+
+/// What the strategy "fixed step" scores: 2 in the direction it wants, 0 opposite to it.
+double StepScore(const AspectTarget& target, const world::Look& look,
+                 const AspectGraphConfig& config) {
+  if (target.seen_from_W.empty()) return 1.0;
+  const Eigen::Vector3d last_W = target.seen_from_W.back();
+  const double wanted = std::atan2(last_W.y(), last_W.x()) + config.fixed_step_deg * kDegree;
+  const Eigen::Vector3d way_W = look.X_WC.translation() - target.box_W.center();
+  return 1.0 + std::cos(std::atan2(way_W.y(), way_W.x()) - wanted);
+}
+
+void Check(const AspectTarget& target) {
+  const Eigen::AlignedBox3d& box_W = target.box_W;
+  if (!box_W.min().allFinite() || !box_W.max().allFinite() || box_W.isEmpty() ||
+      !(box_W.sizes().minCoeff() >= 0.001)) {
+    Throw<InvalidArgument>(
+        "aspect graph: the box of target {} from ({}, {}, {}) to ({}, {}, {}) m must be finite and "
+        "at least 1 mm wide",
+        target.id, box_W.min().x(), box_W.min().y(), box_W.min().z(), box_W.max().x(),
+        box_W.max().y(), box_W.max().z());
+  }
+  for (std::size_t i = 0; i < target.hypotheses.size(); ++i) {
+    const PosedModel& model = target.hypotheses[i];
+    if (!IsValid(model.X_WM)) {
+      Throw<InvalidArgument>(
+          "aspect graph: X_WM of hypothesis {} of target {} is not finite and "
+          "rigid",
+          i, target.id);
+    }
+    if (model.mesh == nullptr || model.caster == nullptr) {
+      Throw<InvalidArgument>("aspect graph: hypothesis {} of target {} has no mesh", i, target.id);
+    }
+    if (!(model.belief >= 0.0)) {
+      Throw<InvalidArgument>(
+          "aspect graph: hypothesis {} of target {} with belief {}; it must not "
+          "be negative",
+          i, target.id, model.belief);
+    }
+  }
+  for (const Eigen::Vector3d& seen_W : target.seen_from_W) {
+    if (!(std::abs(seen_W.norm() - 1.0) < 1e-6)) {
+      Throw<InvalidArgument>(
+          "aspect graph: the direction ({}, {}, {}) from which target {} was "
+          "seen is no unit vector",
+          seen_W.x(), seen_W.y(), seen_W.z(), target.id);
+    }
+  }
+}
+
+double StrategyScore(LookStrategy strategy, const AspectTarget& target, const AspectScore& score,
+                     const world::Look& look, const AspectGraphConfig& config, Rng* rng) {
+  switch (strategy) {
+    case LookStrategy::kGainPerSecond:
+      return look.gain / (look.seconds + config.look_seconds);
+    case LookStrategy::kMcGreavy:
+      return score.view_score;
+    case LookStrategy::kNearest:
+      return 1.0 / (1.0 + look.seconds);
+    case LookStrategy::kRandom:
+      return rng->Uniform(0.0, 1.0);
+    case LookStrategy::kFixedStep:
+      return StepScore(target, look, config);
+  }
+  return 0.0;
+}
+
+/// What a look is expected to bring, for people.
+std::string Explain(const world::Look& look) {
+  return fmt::format(
+      "sees {:.0f} % of the rays to the box; gain {:.3g}; {:.1f} s and {:.2f} m to "
+      "drive; score {:.3g}",
+      100.0 * look.visibility, look.gain, look.seconds, look.metres, look.score);
+}
+
+}  // namespace
+
+LookStrategy ParseLookStrategy(const std::string& text) {
+  std::string expected;
+  for (const auto& [name, strategy] : kStrategies) {
+    if (text == name) return strategy;
+    expected += fmt::format("{}'{}'", expected.empty() ? "" : ", ", name);
+  }
+  Throw<ConfigError>("strategy '{}' is none of {}", text, expected);
+}
+
+void AspectGraphConfig::Validate() const {
+  ParseLookStrategy(strategy);
+  if (ray_columns < 8 || ray_columns > 4096) {
+    Throw<ConfigError>("ray_columns = {} must lie in 8..4096", ray_columns);
+  }
+  const auto check = [](double value, double low, double high, const char* name) {
+    if (!(value >= low && value <= high)) {
+      Throw<ConfigError>("{} = {} must lie in {}..{}", name, value, low, high);
+    }
+  };
+  check(box_margin_m, 0.0, 1.0, "box_margin_m");
+  check(unknown_m, 0.0, 10.0, "unknown_m");
+  check(unknown_survival, 0.0, 1.0, "unknown_survival");
+  check(min_visibility, 0.0, 1.0, "min_visibility");
+  check(same_view_deg, 0.0, 179.0, "same_view_deg");
+  check(new_view_deg, same_view_deg + 1.0, 180.0, "new_view_deg");
+  check(new_view_unknown_deg, same_view_deg + 1.0, 180.0, "new_view_unknown_deg");
+  check(same_view_novelty, 0.0, 1.0, "same_view_novelty");
+  check(look_seconds, 0.01, 3600.0, "look_seconds");
+  check(depth_sigmas, 0.0, 100.0, "depth_sigmas");
+  check(color_difference, 0.0, 1.0, "color_difference");
+  check(settling_difference, 1e-6, 1.0, "settling_difference");
+  check(fixed_step_deg, -360.0, 360.0, "fixed_step_deg");
+}
+
+AspectGraph ScoreAspectGraph(const world::VoxelSpace& space, const geometry::CameraModel& camera,
+                             const AspectTarget& target, std::vector<world::Look> looks, Rng* rng,
+                             const AspectGraphConfig& config) {
+  config.Validate();
+  camera.Validate("of the aspect graph");
+  Check(target);
+  const LookStrategy strategy = ParseLookStrategy(config.strategy);
+  const geometry::CameraModel modelled =
+      camera.Scaled(static_cast<double>(config.ray_columns) / camera.width);
+  AspectGraph graph{std::move(looks), {}};
+  const int count = static_cast<int>(graph.looks.size());
+  graph.scores.resize(count);
+  ParallelFor(count, [&](int i) {
+    world::Look& look = graph.looks[i];
+    if (!look.feasible) return;
+    graph.scores[i] = Analyse(space, modelled, target, look.X_WC, config);
+    look.visibility = MeanVisibility(target, graph.scores[i]);
+    look.gain = Gain(target, graph.scores[i], look.visibility, config);
+  });
+  for (int i = 0; i < count; ++i) {
+    world::Look& look = graph.looks[i];
+    if (!look.feasible) continue;
+    look.score = StrategyScore(strategy, target, graph.scores[i], look, config, rng);
+    if (strategy != LookStrategy::kGainPerSecond) continue;
+    const AspectScore& score = graph.scores[i];
+    look.feasible = look.visibility >= config.min_visibility;
+    look.checks.push_back(
+        {"visible", look.feasible,
+         fmt::format("{:.0f} % of {} rays to the box ({:.0f} % blocked, {:.0f} % through unknown "
+                     "space); at least {:.0f} % wanted",
+                     100.0 * look.visibility, score.box_rays, 100.0 * score.blocked,
+                     100.0 * score.through_unknown, 100.0 * config.min_visibility)});
+    if (!look.feasible) look.reason = fmt::format("visible: {}", look.checks.back().detail);
+  }
+  return graph;
+}
+
+std::string RefusalSummary(const std::vector<world::Look>& looks) {
+  std::vector<std::pair<std::string, int>> reasons;
+  int refused = 0;
+  for (const world::Look& look : looks) {
+    if (look.feasible) continue;
+    ++refused;
+    std::string name = "not checked";
+    for (const world::LookCheck& check : look.checks) {
+      if (!check.passed) name = check.name;
+    }
+    const auto found = std::find_if(reasons.begin(), reasons.end(),
+                                    [&](const auto& entry) { return entry.first == name; });
+    if (found == reasons.end()) {
+      reasons.emplace_back(name, 1);
+    } else {
+      ++found->second;
+    }
+  }
+  if (refused == 0) return fmt::format("none of {} refused", looks.size());
+  std::stable_sort(reasons.begin(), reasons.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string summary = fmt::format("{} of {} refused: ", refused, looks.size());
+  for (std::size_t i = 0; i < reasons.size(); ++i) {
+    summary += fmt::format("{}{} {}", i == 0 ? "" : ", ", reasons[i].second, reasons[i].first);
+  }
+  return summary;
+}
+
+LookChoice ChooseLook(std::vector<world::Look>* looks) {
+  LookChoice choice;
+  double second = 0.0;
+  for (int i = 0; i < static_cast<int>(looks->size()); ++i) {
+    world::Look& look = (*looks)[i];
+    look.chosen = false;
+    if (!look.feasible) continue;
+    look.reason = Explain(look);
+    if (!choice.index) {
+      choice.index = i;
+    } else if (look.score > (*looks)[*choice.index].score) {
+      second = (*looks)[*choice.index].score;
+      choice.index = i;
+    } else {
+      second = std::max(second, look.score);
+    }
+  }
+  if (looks->empty()) {
+    choice.reason = "there are no candidates";
+  } else if (!choice.index) {
+    choice.reason = RefusalSummary(*looks);
+  } else {
+    world::Look& best = (*looks)[*choice.index];
+    best.chosen = true;
+    if (second > 0.0) best.reason += fmt::format(", {:.2f} times the next", best.score / second);
+    choice.reason = fmt::format("{}; {}", best.reason, RefusalSummary(*looks));
+  }
+  return choice;
+}
+
+}  // namespace secondlook::planning

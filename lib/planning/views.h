@@ -1,0 +1,59 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "lib/hal/base.h"
+#include "lib/hal/camera.h"
+#include "lib/hal/pan_tilt.h"
+#include "lib/kinematics/head.h"
+#include "lib/planning/collision.h"
+#include "lib/planning/path.h"
+#include "lib/world/look.h"
+
+namespace secondlook::planning {
+
+struct ViewsConfig {
+  double inner_radius_m{0.95};  ///< From the target to the base's centre.
+  double outer_radius_m{1.35};
+  int poses{38};  ///< In both rings together (McGreavy 2016); each has half of them.
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("inner_radius_m", &inner_radius_m);
+    a->Visit("outer_radius_m", &outer_radius_m);
+    a->Visit("poses", &poses);
+  }
+  /// @throws ConfigError naming the value.
+  void Validate() const;
+};
+
+/// The camera and what carries it.
+struct CameraCarrier {
+  hal::BaseInfo base;
+  hal::PanTiltInfo pan_tilt;
+  kinematics::HeadCalibration head;
+  hal::CameraInfo camera;
+};
+
+/// What the robot can reach from where it is. The references must outlive the call they are for.
+struct Reach {
+  const CollisionChecker& collision;
+  const Routes& routes;     ///< From where the base is now.
+  hal::PanTiltAngles head;  ///< Where the head looks now.
+};
+
+/// The candidates for the next view of a target at `p_WT`: base poses on two uniform rings around
+/// it, each facing it, the head aimed at it (McGreavy 2016, View Generation). The rings are turned
+/// against each other by half a step, so that together they give as many directions as poses. Each
+/// candidate goes through the checks "pan-tilt limits", "range" (of a depth camera), "collision"
+/// and "path", in this order, until one refuses it; none is left out of the result. `seconds`: the
+/// head turns while the base drives.
+/// @throws ConfigError when `config` is not valid, InvalidArgument for a target that is not finite
+/// or a head without speed.
+std::vector<world::Look> CandidateViews(const Eigen::Vector3d& p_WT, int target,
+                                        const CameraCarrier& carrier, const Reach& reach,
+                                        const ViewsConfig& config = {});
+
+}  // namespace secondlook::planning

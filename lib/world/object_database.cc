@@ -1,0 +1,206 @@
+#include "lib/world/object_database.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "lib/common/error.h"
+#include "lib/common/files.h"
+#include "lib/common/hash.h"
+#include "lib/common/yaml_reader.h"
+
+namespace secondlook::world {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFormat = 1;
+constexpr const char* kMetadata = "model.yaml";
+
+/// The content of model.yaml.
+struct Metadata {
+  int format{};
+  std::string name;
+  std::string mesh;
+  std::string unit;
+  std::string hash;
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("format", &format);
+    a->Visit("name", &name);
+    a->Visit("mesh", &mesh);
+    a->Visit("unit", &unit);
+    a->Visit("hash", &hash);
+  }
+};
+
+/// The hash of the mesh file and then, by name, of all that lies beside it except model.yaml.
+std::uint64_t HashOf(const fs::path& folder, const std::string& mesh) {
+  std::vector<std::string> others;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_regular_file() && name != kMetadata && name != mesh) others.push_back(name);
+  }
+  std::sort(others.begin(), others.end());
+  std::uint64_t hash = Fnv1a(ReadFile(folder / mesh));
+  for (const std::string& other : others) hash = Fnv1a(ReadFile(folder / other), hash);
+  return hash;
+}
+
+Metadata ReadMetadata(const fs::path& file) {
+  YAML::Node node;
+  try {
+    node = YAML::Load(ReadFile(file));
+  } catch (const YAML::Exception& e) {
+    Throw<ConfigError>("{}:{}:{}: {}", file.string(), e.mark.line + 1, e.mark.column + 1, e.msg);
+  }
+  // The format is looked at first: another one may have keys that this program does not know.
+  const YAML::Node format = node.IsMap() ? node["format"] : YAML::Node();
+  if (!format || !format.IsScalar() || format.Scalar() != std::to_string(kFormat)) {
+    Throw<ConfigError>(
+        "{}: format {}; this program reads format {}: add the model anew", file.string(),
+        format && format.IsScalar() ? format.Scalar() : std::string("missing"), kFormat);
+  }
+  Metadata metadata;
+  YamlReader(node, file.string(), "").Read(&metadata);
+  return metadata;
+}
+
+ObjectModel ReadObject(const fs::path& folder) {
+  const fs::path file = folder / kMetadata;
+  const Metadata metadata = ReadMetadata(file);
+  if (metadata.name.empty() || metadata.mesh.empty()) {
+    Throw<ConfigError>("{}: name and mesh must both be given", file.string());
+  }
+  geometry::LengthUnit unit{};
+  try {
+    unit = geometry::ParseLengthUnit(metadata.unit);
+  } catch (const InvalidArgument& e) {
+    Throw<ConfigError>("{}: unit: {}", file.string(), e.what());
+  }
+  const std::uint64_t hash = HashOf(folder, metadata.mesh);
+  if (HexDigits(hash) != metadata.hash) {
+    Throw<ConfigError>(
+        "{}: the files of '{}' have hash {} but were added with {}: they have changed; remove the "
+        "model and add it anew",
+        file.string(), metadata.name, HexDigits(hash), metadata.hash);
+  }
+  return {metadata.name, geometry::LoadMesh(folder / metadata.mesh, unit), hash};
+}
+
+/// Sub-folders of `folder` that hold a model.yaml, by name.
+std::vector<fs::path> ObjectFolders(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory() && fs::exists(entry.path() / kMetadata)) {
+      folders.push_back(entry.path());
+    }
+  }
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
+void SortByName(std::vector<ObjectModel>* models) {
+  std::sort(models->begin(), models->end(),
+            [](const ObjectModel& a, const ObjectModel& b) { return a.name < b.name; });
+}
+
+/// The name that two of the sorted `models` share, or null.
+const std::string* SharedName(const std::vector<ObjectModel>& models) {
+  for (std::size_t i = 1; i < models.size(); ++i) {
+    if (models[i].name == models[i - 1].name) return &models[i].name;
+  }
+  return nullptr;
+}
+
+void CheckName(const std::string& name) {
+  const bool plain = !name.empty() && name.front() != '.' &&
+                     std::all_of(name.begin(), name.end(), [](unsigned char c) {
+                       return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+                     });
+  if (!plain) {
+    Throw<ConfigError>(
+        "model name '{}' is no plain file name: use letters, digits, '_', '-' and '.', and do not "
+        "begin with '.'",
+        name);
+  }
+}
+
+}  // namespace
+
+ObjectDatabase::ObjectDatabase(std::vector<ObjectModel> models) : models_(std::move(models)) {
+  SortByName(&models_);
+  if (const std::string* name = SharedName(models_)) {
+    Throw<InvalidArgument>("two objects are named '{}'", *name);
+  }
+}
+
+ObjectDatabase ObjectDatabase::Load(const fs::path& folder) {
+  if (!fs::is_directory(folder)) {
+    Throw<ConfigError>("{}: no such folder of models", folder.string());
+  }
+  ObjectDatabase database;
+  for (const fs::path& object : ObjectFolders(folder)) {
+    database.models_.push_back(ReadObject(object));
+  }
+  if (database.models_.empty()) {
+    Throw<ConfigError>(
+        "{}: no models: there is no sub-folder with a model.yaml; add one with 'secondlook model "
+        "add'",
+        folder.string());
+  }
+  SortByName(&database.models_);
+  if (const std::string* name = SharedName(database.models_)) {
+    Throw<ConfigError>("{}: two objects are named '{}': remove one", folder.string(), *name);
+  }
+  return database;
+}
+
+const ObjectModel* ObjectDatabase::Find(const std::string& name) const {
+  const auto found = std::find_if(models_.begin(), models_.end(),
+                                  [&](const ObjectModel& model) { return model.name == name; });
+  return found == models_.end() ? nullptr : &*found;
+}
+
+void AddModel(const fs::path& mesh_file, geometry::LengthUnit unit, const std::string& name,
+              const fs::path& folder) {
+  CheckName(name);
+  const fs::path target = folder / name;
+  if (fs::exists(target)) {
+    Throw<ConfigError>(
+        "{}: there is a model of this name already; remove it first or choose "
+        "another name",
+        target.string());
+  }
+  const geometry::Mesh mesh = geometry::LoadMesh(mesh_file, unit);
+  MakeWritableFolder(folder);
+  const fs::path unfinished = folder / ("." + name + ".unfinished");
+  std::error_code error;
+  fs::remove_all(unfinished, error);
+  MakeWritableFolder(unfinished);
+  geometry::SaveObj(mesh, unfinished);
+  WriteFile(unfinished / kMetadata,
+            fmt::format("format: {}\nname: \"{}\"\nmesh: mesh.obj\nunit: m\nhash: \"{}\"\n",
+                        kFormat, name, HexDigits(HashOf(unfinished, "mesh.obj"))));
+  fs::rename(unfinished, target, error);
+  if (error) {
+    Throw<ConfigError>("{}: cannot be made: {}", target.string(), error.message());
+  }
+}
+
+void RemoveModel(const std::string& name, const fs::path& folder) {
+  CheckName(name);
+  const fs::path target = folder / name;
+  if (!fs::exists(target / kMetadata)) {
+    Throw<ConfigError>("{}: there is no model named '{}'", folder.string(), name);
+  }
+  std::error_code error;
+  fs::remove_all(target, error);
+  if (error) Throw<ConfigError>("{}: cannot be removed: {}", target.string(), error.message());
+}
+
+}  // namespace secondlook::world

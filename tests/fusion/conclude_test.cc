@@ -1,0 +1,119 @@
+#include "lib/fusion/conclude.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace secondlook::fusion {
+namespace {
+
+using world::ObjectBelief;
+using world::ObjectState;
+using world::PoseHypothesis;
+
+world::ViewEvidence View(int view, double score, double visible_fraction = 0.8) {
+  world::ViewEvidence e;
+  e.view = view;
+  e.hypothesis.score = score;
+  e.hypothesis.verification.visible = static_cast<int>(1000 * visible_fraction);
+  e.hypothesis.verification.visible_fraction = visible_fraction;
+  e.hypothesis.verification.accepted = score > 0.5;
+  e.hypothesis.verification.reason = score > 0.5 ? "" : "see-through 40 %";
+  return e;
+}
+
+PoseHypothesis Hypothesis(const std::string& model, double yaw,
+                          std::vector<world::ViewEvidence> evidence) {
+  PoseHypothesis h;
+  h.model = model;
+  h.X_WM = ToPose(Pose2{0, 0, yaw});
+  h.evidence = std::move(evidence);
+  return h;
+}
+
+ObjectBelief Object(std::vector<PoseHypothesis> hypotheses, int clear_views) {
+  ObjectBelief object;
+  object.hypotheses = std::move(hypotheses);
+  Conclude(world::Task{}, {}, clear_views, &object);
+  return object;
+}
+
+TEST(Conclude, VerifiesWhatOneViewIsSureOf) {
+  const ObjectBelief object = Object({Hypothesis("mug", 0, {View(0, 0.97)})}, 1);
+  EXPECT_EQ(object.state, ObjectState::kVerified) << object.reason;
+  EXPECT_EQ(object.Best()->model, "mug");
+}
+
+TEST(Conclude, LeavesLookAlikesOpenAndSaysWhichTwo) {
+  const ObjectBelief object =
+      Object({Hypothesis("rice", 0, {View(0, 0.95)}), Hypothesis("oat", 0, {View(0, 0.94)})}, 1);
+  EXPECT_EQ(object.state, ObjectState::kCandidate);
+  EXPECT_THAT(object.reason, testing::HasSubstr("several hypotheses: 'rice'"));
+}
+
+TEST(Conclude, IsSettledByTheViewThatTellsLookAlikesApart) {
+  const ObjectBelief object = Object({Hypothesis("rice", 0, {View(0, 0.95), View(1, 0.02)}),
+                                      Hypothesis("oat", 0, {View(0, 0.94), View(1, 0.96)})},
+                                     2);
+  EXPECT_EQ(object.state, ObjectState::kVerified) << object.reason;
+  EXPECT_EQ(object.Best()->model, "oat");
+  EXPECT_TRUE(object.hypotheses.back().struck);
+  EXPECT_EQ(object.hypotheses.back().reason, "view 1 contradicts it: see-through 40 %");
+}
+
+TEST(Conclude, LeavesAPoseOpenThatHasARival) {
+  const ObjectBelief object =
+      Object({Hypothesis("mug", 0, {View(0, 0.95)}), Hypothesis("mug", 1, {View(0, 0.9)})}, 1);
+  EXPECT_EQ(object.state, ObjectState::kCandidate);
+  EXPECT_THAT(object.reason, testing::HasSubstr("its pose is open: two differ by 57 deg"));
+}
+
+TEST(Conclude, CallsUnknownOnlyAfterEnoughClearViews) {
+  const std::vector<PoseHypothesis> hypotheses{
+      Hypothesis("mug", 0, {View(0, 0.2, 0.3), View(1, 0.2, 0.3)})};
+  EXPECT_EQ(Object(hypotheses, 1).state, ObjectState::kCandidate);
+  const ObjectBelief object = Object(hypotheses, 2);
+  EXPECT_EQ(object.state, ObjectState::kUnknown);
+  EXPECT_THAT(object.reason, testing::HasSubstr("the nearest model is 'mug' with support 0.20"));
+  EXPECT_THAT(Object({}, 2).reason, testing::HasSubstr("no model in the database fits"));
+}
+
+TEST(Conclude, DoesNotStrikeAHypothesisThatIsHidden) {
+  const ObjectBelief object =
+      Object({Hypothesis("mug", 0, {View(0, 0.97), View(1, 0.05, 0.1)})}, 1);
+  EXPECT_FALSE(object.hypotheses.front().struck);
+  EXPECT_EQ(object.state, ObjectState::kVerified) << object.reason;
+}
+
+TEST(Conclude, HoldsAWantedClassToItsOwnConfidence) {
+  world::Task task;
+  task.wanted["medicine"] = 0.99;
+  ObjectBelief object;
+  object.hypotheses = {Hypothesis("medicine", 0, {View(0, 0.95)})};
+  Conclude(task, {}, 1, &object);
+  EXPECT_EQ(object.state, ObjectState::kCandidate);
+  EXPECT_THAT(object.reason, testing::HasSubstr("needs 0.99"));
+  object.hypotheses = {Hypothesis("medicine", 0, {View(0, 0.95), View(1, 0.95)})};
+  Conclude(task, {}, 2, &object);
+  EXPECT_EQ(object.state, ObjectState::kVerified) << object.reason;
+}
+
+TEST(Conclude, DoesNotDependOnTheOrderOfTheViews) {
+  const auto hypotheses = [](bool turned) {
+    std::vector<world::ViewEvidence> a{View(0, 0.9), View(1, 0.4), View(2, 0.7)};
+    std::vector<world::ViewEvidence> b{View(0, 0.3), View(1, 0.6), View(2, 0.2)};
+    if (turned) {
+      std::reverse(a.begin(), a.end());
+      std::reverse(b.begin(), b.end());
+    }
+    return std::vector<PoseHypothesis>{Hypothesis("a", 0, a), Hypothesis("b", 0, b)};
+  };
+  const ObjectBelief forward = Object(hypotheses(false), 3);
+  const ObjectBelief backward = Object(hypotheses(true), 3);
+  EXPECT_EQ(forward.state, backward.state);
+  EXPECT_NEAR(forward.masses.Of("a"), backward.masses.Of("a"), 1e-12);
+  EXPECT_NEAR(forward.masses.conflict, backward.masses.conflict, 1e-12);
+}
+
+}  // namespace
+}  // namespace secondlook::fusion

@@ -1,0 +1,142 @@
+#include "lib/perception/segment.h"
+
+#include <gtest/gtest.h>
+
+#include "lib/common/error.h"
+#include "lib/common/rng.h"
+#include "tests/support/expect_throws.h"
+
+namespace secondlook::perception {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+/// A cloud without image order, z up, seen by a camera at the origin that looks along x.
+class SceneCloud {
+ public:
+  SceneCloud() { cloud_.height = 1; }
+
+  /// Adds a rectangle of points 4 mm apart spanned by two edges from a corner, with noise.
+  SceneCloud& Rectangle(const Vector3d& corner, const Vector3d& a, const Vector3d& b) {
+    const int rows = static_cast<int>(a.norm() / 0.004);
+    const int columns = static_cast<int>(b.norm() / 0.004);
+    for (int i = 0; i <= rows; ++i) {
+      for (int j = 0; j <= columns; ++j) {
+        Vector3d p = corner + a * i / rows + b * j / columns;
+        p += Vector3d(rng_.Gaussian(0.001), rng_.Gaussian(0.001), rng_.Gaussian(0.001));
+        cloud_.points_C.push_back(Rotated(p).cast<float>());
+        ++cloud_.width;
+      }
+    }
+    return *this;
+  }
+
+  /// Adds the top and the front of a box whose bottom centre is at `p`.
+  SceneCloud& Box(const Vector3d& p, const Vector3d& size) {
+    const Vector3d low = p - Vector3d(size.x() / 2, size.y() / 2, 0);
+    Rectangle(low + Vector3d(0, 0, size.z()), {size.x(), 0, 0}, {0, size.y(), 0});
+    return Rectangle(low, {0, size.y(), 0}, {0, 0, size.z()});
+  }
+
+  /// x forward, z up to the camera frame (z forward, y down).
+  static Vector3d Rotated(const Vector3d& p) { return {-p.y(), -p.z(), p.x()}; }
+
+  const geometry::PointImage& cloud() const { return cloud_; }
+
+ private:
+  Rng rng_{3};
+  geometry::PointImage cloud_;
+};
+
+const Vector3d kUp = SceneCloud::Rotated(Vector3d::UnitZ());
+
+SceneCloud TableWithFloorAndWall() {
+  SceneCloud scene;
+  scene.Rectangle({0.8, -0.4, -0.5}, {0.6, 0, 0}, {0, 0.8, 0});  // table, 0.5 m below the camera
+  scene.Rectangle({0.3, -1.0, -1.2}, {2.0, 0, 0}, {0, 2.0, 0});  // floor, larger
+  scene.Rectangle({2.2, -1.0, -1.2}, {0, 2.0, 0}, {0, 0, 2.0});  // wall
+  return scene;
+}
+
+TEST(Segment, TakesTheTableAndNeitherTheFloorNorTheWall) {
+  SceneCloud scene = TableWithFloorAndWall();
+  const Segmentation result = Segment(scene.cloud(), kUp, {});
+  ASSERT_TRUE(result.plane_C) << result.reason;
+  EXPECT_NEAR(result.plane_C->normal_A.dot(kUp), 1.0, 1e-3);
+  EXPECT_NEAR(result.plane_C->offset, -0.5, 0.002);
+  const auto& c = result.plane_C->corners_A;
+  const double a = (c[1] - c[0]).norm();
+  const double b = (c[2] - c[1]).norm();
+  EXPECT_NEAR(std::min(a, b), 0.6, 0.02);
+  EXPECT_NEAR(std::max(a, b), 0.8, 0.02);
+  EXPECT_GT((c[1] - c[0]).cross(c[2] - c[1]).dot(kUp), 0.0) << "counter-clockwise from above";
+}
+
+TEST(Segment, FindsEachThingThatStandsOnTheTable) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Box({1.0, 0.1, -0.5}, {0.1, 0.1, 0.15}).Box({1.1, -0.2, -0.5}, {0.1, 0.1, 0.1});
+  const Segmentation result = Segment(scene.cloud(), kUp, {});
+  ASSERT_EQ(result.clusters.size(), 2U) << result.reason;
+  // The larger first. The means of top and front lie within the boxes.
+  const Vector3d tall = SceneCloud::Rotated({1.0, 0.1, -0.4});
+  EXPECT_LT((result.clusters[0].center_C - tall).norm(), 0.06);
+  EXPECT_EQ(result.clusters[0].pixels.size(), result.clusters[0].points_C.size());
+}
+
+TEST(Segment, SeparatesThingsTwoCentimetresApartAndJoinsThoseThatTouch) {
+  SceneCloud apart = TableWithFloorAndWall();
+  apart.Box({1.0, 0.0, -0.5}, {0.1, 0.1, 0.1}).Box({1.0, 0.12, -0.5}, {0.1, 0.1, 0.1});
+  EXPECT_EQ(Segment(apart.cloud(), kUp, {}).clusters.size(), 2U);
+  SceneCloud touching = TableWithFloorAndWall();
+  touching.Box({1.0, 0.0, -0.5}, {0.1, 0.1, 0.1}).Box({1.0, 0.1, -0.5}, {0.1, 0.1, 0.1});
+  EXPECT_EQ(Segment(touching.cloud(), kUp, {}).clusters.size(), 1U);
+}
+
+TEST(Segment, LeavesOutWhatStandsBesideTheTable) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Box({1.6, 0.0, -1.2}, {0.2, 0.2, 0.9});  // a chair behind it, higher than the table
+  const Segmentation result = Segment(scene.cloud(), kUp, {});
+  EXPECT_TRUE(result.clusters.empty());
+  EXPECT_THAT(result.reason, testing::HasSubstr("nothing stands on the support plane"));
+}
+
+TEST(Segment, IgnoresTheFloorWhereTheCameraHeightIsKnown) {
+  SceneCloud scene;
+  scene.Rectangle({0.3, -1.0, -1.2}, {2.0, 0, 0}, {0, 2.0, 0});
+  EXPECT_TRUE(Segment(scene.cloud(), kUp, {}).plane_C);
+  const Segmentation result = Segment(scene.cloud(), kUp, {}, 1.0);
+  EXPECT_FALSE(result.plane_C);
+  EXPECT_THAT(result.reason, testing::HasSubstr("no support plane"));
+}
+
+TEST(Segment, SaysWhyThereIsNoPlaneWhereThereIsOnlyAWall) {
+  SceneCloud scene;
+  scene.Rectangle({1.5, -1.0, -1.0}, {0, 2.0, 0}, {0, 0, 2.0});
+  const Segmentation result = Segment(scene.cloud(), kUp, {});
+  EXPECT_FALSE(result.plane_C);
+  EXPECT_THAT(result.reason, testing::HasSubstr("no support plane: of the planes within 10 deg"));
+}
+
+TEST(Segment, SurvivesAnEmptyCloudOnePointAndNothingButNaN) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const auto& points : {std::vector<Vector3f>{}, std::vector<Vector3f>{{0, 0, 1}},
+                             std::vector<Vector3f>(1000, Vector3f::Constant(nan))}) {
+    const geometry::PointImage cloud{static_cast<int>(points.size()), 1, points};
+    const Segmentation result = Segment(cloud, kUp, {});
+    EXPECT_FALSE(result.plane_C);
+    EXPECT_FALSE(result.reason.empty());
+  }
+}
+
+TEST(Segment, RefusesMillimetresTakenForMetres) {
+  geometry::PointImage cloud{100, 1, std::vector<Vector3f>(100, Vector3f(10, 20, 900))};
+  EXPECT_THROWS(Segment(cloud, kUp, {}), InvalidArgument, "median distance is 900.3 m");
+}
+
+TEST(Segment, RefusesAnUpThatIsNoDirection) {
+  EXPECT_THROWS(Segment({}, Vector3d::Zero(), {}), InvalidArgument, "must be a direction");
+}
+
+}  // namespace
+}  // namespace secondlook::perception

@@ -1,0 +1,150 @@
+#include "lib/world/object_database.h"
+
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "lib/common/error.h"
+#include "lib/common/files.h"
+#include "tests/support/expect_throws.h"
+
+namespace secondlook::world {
+namespace {
+
+namespace fs = std::filesystem;
+using geometry::LengthUnit;
+
+/// A database folder, and a mesh file of a tetrahedron beside it.
+class ObjectDatabaseFolder : public ::testing::Test {
+ protected:
+  ObjectDatabaseFolder()
+      : root_(fs::path(::testing::TempDir()) /
+              (std::string("database_") +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name())),
+        models_(root_ / "models"),
+        mesh_(root_ / "tetrahedron.obj") {
+    fs::remove_all(root_);
+    WriteFile(mesh_,
+              "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nv 0 0 0.2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  }
+  ~ObjectDatabaseFolder() override { fs::remove_all(root_); }
+
+  void Add(const std::string& name) { AddModel(mesh_, LengthUnit::kMetre, name, models_); }
+
+  /// Replaces `from` by `to` in a file of the database.
+  static void Edit(const fs::path& file, const std::string& from, const std::string& to) {
+    std::string text = ReadFile(file);
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << text;
+    WriteFile(file, text.replace(at, from.size(), to));
+  }
+
+  fs::path root_;
+  fs::path models_;
+  fs::path mesh_;
+};
+
+TEST_F(ObjectDatabaseFolder, GivesBackWhatWasAddedInTheOrderOfNames) {
+  Add("pyramid");
+  AddModel(mesh_, LengthUnit::kMetre, "Block-2", models_);
+  const ObjectDatabase database = ObjectDatabase::Load(models_);
+  ASSERT_EQ(database.models().size(), 2U);
+  EXPECT_EQ(database.models()[0].name, "Block-2");
+  EXPECT_EQ(database.models()[1].name, "pyramid");
+  ASSERT_NE(database.Find("pyramid"), nullptr);
+  EXPECT_EQ(database.Find("pyramid")->mesh.triangles.size(), 4U);
+  EXPECT_NEAR(geometry::Diameter(database.Find("pyramid")->mesh), 0.2 * std::sqrt(3.0), 1e-5);
+  EXPECT_EQ(database.Find("sphere"), nullptr);
+}
+
+TEST_F(ObjectDatabaseFolder, ScalesMillimetresToMetres) {
+  WriteFile(mesh_,
+            "v 0 0 0\nv 200 0 0\nv 0 200 0\nv 0 0 200\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  AddModel(mesh_, LengthUnit::kMillimetre, "pyramid", models_);
+  const ObjectDatabase database = ObjectDatabase::Load(models_);
+  EXPECT_NEAR(geometry::Bounds(database.models()[0].mesh).max().x(), 0.2, 1e-6);
+}
+
+TEST_F(ObjectDatabaseFolder, ModelsOfTheSameContentHaveTheSameHash) {
+  Add("one");
+  Add("two");
+  const ObjectDatabase database = ObjectDatabase::Load(models_);
+  EXPECT_EQ(database.models()[0].hash, database.models()[1].hash);
+  EXPECT_NE(database.models()[0].hash, 0U);
+}
+
+TEST_F(ObjectDatabaseFolder, LeavesNothingBehindWhenTheMeshIsRefused) {
+  EXPECT_THROWS(AddModel(mesh_, LengthUnit::kMillimetre, "pyramid", models_), ConfigError,
+                "tetrahedron.obj");
+  EXPECT_FALSE(fs::exists(models_ / "pyramid"));
+}
+
+TEST_F(ObjectDatabaseFolder, ANameIsTakenOnce) {
+  Add("pyramid");
+  EXPECT_THROWS(Add("pyramid"), ConfigError, "there is a model of this name already");
+}
+
+TEST_F(ObjectDatabaseFolder, ANameMustBeAPlainFileName) {
+  for (const char* name : {"", "..", "a/b", ".hidden", "a b", "a\n"}) {
+    EXPECT_THROWS(Add(name), ConfigError, "is no plain file name");
+    EXPECT_THROWS(RemoveModel(name, models_), ConfigError, "is no plain file name");
+  }
+}
+
+TEST_F(ObjectDatabaseFolder, AModelThatWasRemovedIsGone) {
+  Add("one");
+  Add("two");
+  RemoveModel("one", models_);
+  const ObjectDatabase database = ObjectDatabase::Load(models_);
+  ASSERT_EQ(database.models().size(), 1U);
+  EXPECT_EQ(database.models()[0].name, "two");
+  EXPECT_THROWS(RemoveModel("one", models_), ConfigError, "there is no model named 'one'");
+}
+
+TEST_F(ObjectDatabaseFolder, NamesAFolderThatIsMissingOrEmpty) {
+  EXPECT_THROWS(ObjectDatabase::Load(models_), ConfigError, "no such folder of models");
+  fs::create_directories(models_);
+  EXPECT_THROWS(ObjectDatabase::Load(models_), ConfigError, "no models");
+}
+
+TEST_F(ObjectDatabaseFolder, RefusesAnotherFormat) {
+  Add("pyramid");
+  Edit(models_ / "pyramid/model.yaml", "format: 1", "format: 2");
+  EXPECT_THROWS(ObjectDatabase::Load(models_), ConfigError,
+                "pyramid/model.yaml: format 2; this program reads format 1");
+}
+
+TEST_F(ObjectDatabaseFolder, RefusesFilesThatHaveChanged) {
+  Add("pyramid");
+  WriteFile(models_ / "pyramid/mesh.obj", ReadFile(models_ / "pyramid/mesh.obj") + "# edited\n");
+  EXPECT_THROWS(ObjectDatabase::Load(models_), ConfigError, "they have changed");
+}
+
+TEST_F(ObjectDatabaseFolder, RefusesTwoFoldersWithOneName) {
+  Add("pyramid");
+  fs::copy(models_ / "pyramid", models_ / "copy");
+  EXPECT_THROWS(ObjectDatabase::Load(models_), ConfigError, "two objects are named 'pyramid'");
+}
+
+TEST_F(ObjectDatabaseFolder, NamesAKeyItDoesNotKnowAndAUnitThatIsNone) {
+  Add("pyramid");
+  Edit(models_ / "pyramid/model.yaml", "unit: m", "unit: inch");
+  EXPECT_THROWS(ObjectDatabase::Load(models_), ConfigError, "inch");
+  Edit(models_ / "pyramid/model.yaml", "unit: inch", "colour: red\nunit: m");
+  EXPECT_THROWS(ObjectDatabase::Load(models_), ConfigError, "unknown key 'colour'");
+}
+
+TEST(ObjectDatabase, ReadsTheModelsThatComeWithTheProject) {
+  const ObjectDatabase database = ObjectDatabase::Load("sim/models");
+  EXPECT_GE(database.models().size(), 16U);
+  EXPECT_NE(database.Find("mug"), nullptr);
+}
+
+TEST(ObjectDatabase, RefusesTwoModelsOfOneName) {
+  ObjectModel model;
+  model.name = "mug";
+  EXPECT_THROWS(ObjectDatabase({model, model}), InvalidArgument, "two objects are named 'mug'");
+}
+
+}  // namespace
+}  // namespace secondlook::world
