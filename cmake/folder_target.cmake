@@ -40,9 +40,8 @@ function(secondlook_test name)
   else()
     target_precompile_headers(${name}_test REUSE_FROM common_test)
   endif()
-  set(lsan suppressions=${CMAKE_SOURCE_DIR}/cmake/lsan.supp:print_suppressions=0)
   gtest_discover_tests(${name}_test
                        WORKING_DIRECTORY ${CMAKE_SOURCE_DIR}
                        DISCOVERY_TIMEOUT 60
-                       PROPERTIES LABELS ${name} TIMEOUT 300 ENVIRONMENT LSAN_OPTIONS=${lsan})
+                       PROPERTIES LABELS ${name} TIMEOUT 300)
 endfunction()
