@@ -1,7 +1,7 @@
 #include <exception>
 
-#include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include "apps/commands/commands.h"
 #include "lib/common/error.h"
@@ -19,6 +19,8 @@ int Run(int argc, char** argv) {
   app.require_subcommand(1);
   int status = kDone;
   AddModel(&app, &status);
+  AddRecognise(&app, &status);
+  AddRun(&app, &status);
   AddSegment(&app, &status);
   try {
     app.parse(argc, argv);

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <unordered_map>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <opencv2/imgproc.hpp>
@@ -24,6 +26,8 @@ using Eigen::Vector3f;
 constexpr int kRansacRounds = 400;
 constexpr int kRansacPoints = 6000;
 constexpr int kMaxPlanes = 5;
+constexpr double kThinning = 0.02;               // [m]
+constexpr double kMaxTiltBetweenPlanes = 0.035;  // [rad]
 
 struct Plane {
   Vector3d normal;
@@ -177,6 +181,19 @@ std::vector<cv::Point2f> ConvexExtent(const std::vector<Vector3d>& points,
   return hull;
 }
 
+/// One point for each cell of kThinning on the plane.
+std::vector<Vector3d> Thinned(const std::vector<Vector3d>& points, const Vector3d& normal) {
+  const auto axes = PlaneAxes(normal);
+  std::set<std::pair<int, int>> taken;
+  std::vector<Vector3d> thinned;
+  for (const Vector3d& p : points) {
+    const int u = static_cast<int>(std::floor(axes[0].dot(p) / kThinning));
+    const int v = static_cast<int>(std::floor(axes[1].dot(p) / kThinning));
+    if (taken.insert({u, v}).second) thinned.push_back(p);
+  }
+  return thinned;
+}
+
 struct PlaneSearch {
   std::optional<world::SupportPlane> plane;
   std::vector<Vector3d> patch;  ///< The points it was fitted to.
@@ -192,13 +209,14 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
   for (std::size_t i = 0; i < candidates.size(); i += stride) {
     sample.push_back(cloud.points_C[candidates[i]]);
   }
-  const double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
+  Vector3d level = up;
+  double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
   PlaneSearch highest;
   double highest_height = 0.0;
   int most_points = 0;
   double largest_area = 0.0;
   for (int round = 0; round < kMaxPlanes && sample.size() >= 10; ++round) {
-    std::optional<Plane> plane = Ransac(sample, up, max_tilt, &rng);
+    std::optional<Plane> plane = Ransac(sample, level, max_tilt, &rng);
     if (!plane) break;
     for (int i = 0; i < 3; ++i) plane = Refit(sample, *plane, up);
     std::erase_if(sample, [&](const Vector3f& p) { return LiesOn(*plane, p); });
@@ -207,17 +225,23 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
       if (LiesOn(*plane, cloud.points_C[i])) inliers.push_back(cloud.points_C[i].cast<double>());
     }
     // The best fit to a strip of wall is the wall.
-    if (plane->normal.dot(up) < std::cos(max_tilt)) continue;
+    if (plane->normal.dot(level) < std::cos(max_tilt)) continue;
     most_points = std::max(most_points, static_cast<int>(inliers.size()));
     if (static_cast<int>(inliers.size()) < config.min_plane_points) continue;
     std::vector<Vector3d> patch = LargestPatch(inliers, plane->normal);
-    const double area = cv::contourArea(ConvexExtent(patch, PlaneAxes(plane->normal)));
+    // Not the convex extent: a plane through the flanks of many things has that, but no surface.
+    const double area =
+        kThinning * kThinning * static_cast<double>(Thinned(patch, plane->normal).size());
     largest_area = std::max(largest_area, area);
     const auto corners = FitRectangle(patch, plane->normal, plane->offset);
     const double width =
         std::min((corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm());
     if (area < config.min_plane_area_m2 || width < config.min_plane_width_m) continue;
-    const double height = up.dot(patch.front());
+    // Whatever else is level is parallel to the first, which has the most points.
+    level = plane->normal;
+    max_tilt = kMaxTiltBetweenPlanes;
+    double height = 0.0;
+    for (const Vector3d& p : patch) height += level.dot(p) / static_cast<double>(patch.size());
     if (highest.plane && height < highest_height) continue;
     highest_height = height;
     highest.plane = {plane->normal, plane->offset, corners, static_cast<int>(patch.size())};
@@ -370,11 +394,12 @@ Segmentation Segment(const geometry::PointImage& cloud, const Vector3d& up_C,
   const Vector3d up = up_C.normalized();
   const std::vector<int> candidates = Candidates(cloud, up, config.max_range_m, max_drop);
   PlaneSearch search = FindSupportPlane(cloud, candidates, up, config);
-  if (!search.plane) return {std::nullopt, {}, search.reason};
+  if (!search.plane) return {std::nullopt, {}, {}, search.reason};
 
   const std::vector<int> above =
       PointsAbove(cloud, candidates, *search.plane, search.patch, config);
-  Segmentation result{search.plane, MakeClusters(cloud, above, config), ""};
+  Segmentation result{search.plane, Thinned(search.patch, search.plane->normal_A),
+                      MakeClusters(cloud, above, config), ""};
   if (result.clusters.empty()) {
     result.reason = fmt::format(
         "nothing stands on the support plane: {} points above it form no "

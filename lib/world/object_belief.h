@@ -35,6 +35,12 @@ struct PoseHypothesis {
   std::string reason;                  ///< Which view struck it and why.
 };
 
+/// That a view shows a thing.
+struct Sighting {
+  int view{};       ///< Index into SceneBelief::views.
+  int detection{};  ///< Index into that observation's detections.
+};
+
 /// One thing on the table, and all that is known of it.
 struct ObjectBelief {
   int id{};
@@ -44,7 +50,7 @@ struct ObjectBelief {
   Eigen::AlignedBox3d extent_W;            ///< Of those points [m].
   MassFunction masses;                     ///< Over the classes, fused over the views.
   std::vector<PoseHypothesis> hypotheses;  ///< By falling support; struck ones last.
-  std::vector<int> views;                  ///< Indices of the views it was seen in.
+  std::vector<Sighting> sightings;         ///< In the order of the views, one each.
   int looks_taken{};                       ///< Looks that were taken for its sake.
 
   /// The hypothesis it stands for: the best that is not struck. Null when there is none.

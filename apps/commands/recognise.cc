@@ -1,0 +1,235 @@
+#include "lib/perception/recognise.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "apps/commands/commands.h"
+#include "apps/commands/parse_up.h"
+#include "apps/json_output.h"
+#include "lib/common/error.h"
+#include "lib/geometry/undistort.h"
+#include "lib/perception/segment.h"
+
+namespace secondlook::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RecogniseOptions {
+  std::string models;
+  std::string depth;
+  std::string color;
+  std::string camera;
+  std::string up;
+  std::string json;
+  double depth_unit{};
+};
+
+/// Intrinsics and lens, as one command-line value has them.
+struct Lens {
+  geometry::CameraModel camera;
+  geometry::LensDistortion distortion;
+};
+
+Lens ParseCamera(const std::string& text, int width, int height) {
+  std::vector<double> values;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, ',');) {
+    std::size_t used = 0;
+    try {
+      values.push_back(std::stod(part, &used));
+    } catch (const std::exception&) {
+      used = 0;
+    }
+    if (used == 0 || used != part.size()) {
+      Throw<InvalidArgument>("--camera {}: '{}' is no number", text, part);
+    }
+  }
+  if (values.size() < 4 || values.size() > 9) {
+    Throw<InvalidArgument>(
+        "--camera {}: {} values; give fx,fy,cx,cy or fx,fy,cx,cy,k1,k2,p1,p2,k3 (trailing zeros "
+        "may be left out)",
+        text, values.size());
+  }
+  values.resize(9, 0.0);
+  Lens lens{{width, height, values[0], values[1], values[2], values[3]},
+            {values[4], values[5], values[6], values[7], values[8]}};
+  lens.camera.Validate("--camera");
+  if (lens.camera.cx < 0 || lens.camera.cx > width || lens.camera.cy < 0 ||
+      lens.camera.cy > height) {
+    Throw<InvalidArgument>(
+        "--camera {}: the principal point ({}, {}) lies outside the {} x {} depth image: these "
+        "intrinsics are of another resolution",
+        text, lens.camera.cx, lens.camera.cy, width, height);
+  }
+  return lens;
+}
+
+cv::Mat ReadImage(const std::string& file, int flags) {
+  if (!fs::is_regular_file(file)) Throw<ConfigError>("{}: no such file", file);
+  cv::Mat image = cv::imread(file, flags);
+  if (image.empty()) Throw<ConfigError>("{}: is no image that can be read", file);
+  return image;
+}
+
+/// Depth in metres, NaN where nothing was measured.
+cv::Mat ReadDepth(const std::string& file, double unit) {
+  if (!(unit > 0.0) || !std::isfinite(unit)) {
+    Throw<InvalidArgument>("--depth-unit {}: must be the metres of one unit of depth, e.g. 0.001",
+                           unit);
+  }
+  const cv::Mat raw = ReadImage(file, cv::IMREAD_UNCHANGED);
+  if (raw.type() != CV_16UC1 && raw.type() != CV_32FC1) {
+    Throw<ConfigError>(
+        "{}: has {} channels of {} bytes; a depth image has one of 16 bits (or 32 "
+        "bits floating)",
+        file, raw.channels(), raw.elemSize1());
+  }
+  cv::Mat depth;
+  raw.convertTo(depth, CV_32FC1, unit);
+  std::vector<float> measured;
+  for (int y = 0; y < depth.rows; ++y) {
+    auto* row = depth.ptr<float>(y);
+    for (int x = 0; x < depth.cols; ++x) {
+      if (std::isfinite(row[x]) && row[x] > 0.0F) {
+        measured.push_back(row[x]);
+      } else {
+        row[x] = std::numeric_limits<float>::quiet_NaN();
+      }
+    }
+  }
+  if (measured.empty()) Throw<ConfigError>("{}: no pixel has a depth", file);
+  const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
+  std::nth_element(measured.begin(), middle, measured.end());
+  if (*middle < 0.05F || *middle > 20.0F) {
+    Throw<InvalidArgument>(
+        "{}: with --depth-unit {} the median depth is {:.4g} m, and no table is that {}: give the "
+        "metres of one unit (0.001 for millimetres, 0.0001 for tenths of them)",
+        file, unit, *middle, *middle < 1.0F ? "near" : "far");
+  }
+  return depth;
+}
+
+cv::Mat ReadColor(const std::string& file, const cv::Mat& depth) {
+  cv::Mat color;
+  cv::cvtColor(ReadImage(file, cv::IMREAD_COLOR), color, cv::COLOR_BGR2RGB);
+  if (color.size() != depth.size()) {
+    Throw<InvalidArgument>(
+        "{}: is {} x {}, the depth image {} x {}: both must be registered to one camera", file,
+        color.cols, color.rows, depth.cols, depth.rows);
+  }
+  return color;
+}
+
+/// A detection's entry of the result: what was chosen, or its best guess. Null without any.
+nlohmann::ordered_json ToJson(const world::Detection& detection, const perception::Choice& choice) {
+  if (detection.hypotheses.empty()) return nullptr;
+  const bool verified = choice.hypothesis >= 0;
+  const world::Hypothesis& h =
+      detection.hypotheses[verified ? static_cast<std::size_t>(choice.hypothesis) : 0];
+  return {{"model", h.model},
+          {"X_CM", MatrixToJson(h.X_CM)},
+          {"score", h.score},
+          {"verified", verified}};
+}
+
+void PrintTable(const std::vector<world::Detection>& detections,
+                const std::vector<perception::Choice>& choices) {
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    const world::Detection& detection = detections[i];
+    const bool verified = choices[i].hypothesis >= 0;
+    const Eigen::Vector3d& at = detection.cluster.center_C;
+    fmt::print("cluster {:2}: {:6} pixels around ({:.3f}, {:.3f}, {:.3f}) m: ", i + 1,
+               detection.cluster.pixels.size(), at.x(), at.y(), at.z());
+    if (verified) {
+      const world::Hypothesis& h =
+          detection.hypotheses[static_cast<std::size_t>(choices[i].hypothesis)];
+      const Eigen::Vector3d p = h.X_CM.translation();
+      fmt::print("{} at ({:.3f}, {:.3f}, {:.3f}) m, score {:.3f}\n", h.model, p.x(), p.y(), p.z(),
+                 h.score);
+    } else {
+      fmt::print("not recognised: {}\n", choices[i].reason);
+    }
+  }
+}
+
+void Recognise(const RecogniseOptions& options) {
+  const auto database = world::ObjectDatabase::Load(options.models);
+  cv::Mat depth = ReadDepth(options.depth, options.depth_unit);
+  const Lens lens = ParseCamera(options.camera, depth.cols, depth.rows);
+  cv::Mat color;
+  if (!options.color.empty()) {
+    color = geometry::Undistort(ReadColor(options.color, depth), lens.camera, lens.distortion);
+  }
+  depth = geometry::Undistort(depth, lens.camera, lens.distortion);
+  const std::vector<perception::RecognitionModel> models = perception::TrainModels(database);
+
+  const auto start = std::chrono::steady_clock::now();
+  perception::SegmentConfig segment_config;
+  Eigen::Vector3d up_C = kImageUp_C;
+  if (options.up.empty()) {
+    segment_config.max_tilt_deg = kImageUpTolerance_deg;
+    spdlog::info("no --up given: up is taken to lie within {} deg of image-up",
+                 kImageUpTolerance_deg);
+  } else {
+    up_C = ParseUp(options.up);
+  }
+  const perception::Segmentation segmentation =
+      perception::Segment(geometry::Deproject(depth, lens.camera), up_C, segment_config);
+  if (!segmentation.plane_C) {
+    Throw<InvalidArgument>("{}: no support plane: {}", options.depth, segmentation.reason);
+  }
+  const perception::RecogniseConfig config;
+  const perception::View view =
+      perception::MakeView(color, depth, lens.camera, *segmentation.plane_C, segmentation.clusters);
+  const auto detections = perception::Recognise(view, segmentation.clusters, models, config);
+  const auto choices = perception::ChooseHypotheses(detections, config);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  if (options.json != "-") {
+    PrintTable(detections, choices);
+    if (detections.empty()) fmt::print("nothing found: {}\n", segmentation.reason);
+  }
+  if (options.json.empty()) return;
+  nlohmann::ordered_json json{{"objects", nlohmann::ordered_json::array()}, {"seconds", seconds}};
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    const nlohmann::ordered_json object = ToJson(detections[i], choices[i]);
+    if (!object.is_null()) json["objects"].push_back(object);
+  }
+  WriteJson(json, options.json);
+}
+
+}  // namespace
+
+void AddRecognise(CLI::App* app, int*) {
+  CLI::App* recognise =
+      app->add_subcommand("recognise", "Finds the known objects in one colour and depth frame");
+  const auto options = std::make_shared<RecogniseOptions>();  // outlives this function in callbacks
+  recognise->add_option("--models", options->models, "Model folder")->required();
+  recognise->add_option("--depth", options->depth, "Depth image, 16 bits; 0 = none")->required();
+  recognise->add_option("--depth-unit", options->depth_unit, "Metres of one unit of depth")
+      ->required();
+  recognise->add_option("--camera", options->camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3] in pixels")
+      ->required();
+  recognise->add_option("--color", options->color, "Colour image registered to the depth image");
+  recognise->add_option("--up", options->up,
+                        "Direction against gravity in the camera frame: x,y,z");
+  recognise->add_option("--json", options->json, "Result as JSON; - is standard output");
+  recognise->callback([options] { Recognise(*options); });
+}
+
+}  // namespace secondlook::apps

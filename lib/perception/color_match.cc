@@ -1,0 +1,122 @@
+#include "lib/perception/color_match.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+
+namespace secondlook::perception {
+namespace {
+
+constexpr float kDark = 0.08F;  // below this, lightness is mostly noise
+constexpr double kLightness = 0.30;
+constexpr double kShare = 0.085;
+constexpr double kMostExposure = 1.1;
+constexpr double kMostShading = 0.8;
+constexpr double kLeastContrast = 0.7;
+constexpr double kMostContrast = 1.6;
+constexpr double kMostBalance = 0.06;
+
+/// Offset, slope along the normal (three) and contrast.
+using Lighting = Eigen::Matrix<double, 5, 1>;
+
+/// A colour as lightness and two shares of it. The shares of dark colours shrink towards grey.
+struct Tone {
+  double lightness;
+  double red;
+  double blue;
+};
+
+Tone ToneOf(const Eigen::Vector3f& rgb) {
+  const Eigen::Vector3f v = rgb.cwiseMax(0.0F);
+  const float sum = v.sum() + 3.0F * kDark;
+  return {std::log(0.3F * v[0] + 0.59F * v[1] + 0.11F * v[2] + kDark), (v[0] + kDark) / sum,
+          (v[2] + kDark) / sum};
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Lighting RowOf(const ColorPair& pair, double lightness) {
+  Lighting row;
+  row << 1.0, pair.normal_C.cast<double>(), lightness;
+  return row;
+}
+
+/// Measured lightness as a linear function of the normal and of the modelled one, by iteratively
+/// reweighted least squares with a prior (no shading, contrast 1); bounded.
+Lighting FitLighting(const std::vector<Tone>& measured, const std::vector<Tone>& modelled,
+                     const std::vector<ColorPair>& pairs) {
+  std::vector<double> difference;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    difference.push_back(measured[i].lightness - modelled[i].lightness);
+  }
+  Lighting light;
+  light << Median(difference), 0.0, 0.0, 0.0, 1.0;
+  const double prior = 0.02 * static_cast<double>(pairs.size());
+  for (int round = 0; round < 3; ++round) {
+    Eigen::Matrix<double, 5, 5> normal_matrix = Eigen::Matrix<double, 5, 5>::Zero();
+    Lighting right_side = Lighting::Zero();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const Lighting row = RowOf(pairs[i], modelled[i].lightness);
+      const double e = (measured[i].lightness - row.dot(light)) / kLightness;
+      const double weight = 1.0 / ((1.0 + e * e) * (1.0 + e * e));
+      normal_matrix += weight * row * row.transpose();
+      right_side += weight * measured[i].lightness * row;
+    }
+    Lighting trust;
+    trust << 0.1, 1.0, 1.0, 1.0, 2.0;
+    normal_matrix.diagonal() += trust * prior;
+    right_side[4] += trust[4] * prior;
+    light = normal_matrix.ldlt().solve(right_side);
+  }
+  const double shading = light.segment<3>(1).norm();
+  if (shading > kMostShading) light.segment<3>(1) *= kMostShading / shading;
+  light[4] = std::clamp(light[4], kLeastContrast, kMostContrast);
+  // The offset that goes with the bounded rest, itself bounded where the surface faces the camera
+  // and has the model's median lightness.
+  std::vector<double> rest;
+  std::vector<double> lightness;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    rest.push_back(measured[i].lightness - light.dot(RowOf(pairs[i], modelled[i].lightness)) +
+                   light[0]);
+    lightness.push_back(modelled[i].lightness);
+  }
+  const double shift = (light[4] - 1.0) * Median(lightness);
+  light[0] = std::clamp(Median(rest), -kMostExposure - shift, kMostExposure - shift);
+  return light;
+}
+
+}  // namespace
+
+double CompareColors(const std::vector<ColorPair>& pairs) {
+  if (pairs.size() < 20) return std::numeric_limits<double>::quiet_NaN();
+  std::vector<Tone> measured;
+  std::vector<Tone> modelled;
+  std::vector<double> red;
+  std::vector<double> blue;
+  for (const ColorPair& pair : pairs) {
+    measured.push_back(ToneOf(pair.measured));
+    modelled.push_back(ToneOf(pair.modelled));
+    red.push_back(measured.back().red - modelled.back().red);
+    blue.push_back(measured.back().blue - modelled.back().blue);
+  }
+  const Lighting light = FitLighting(measured, modelled, pairs);
+  const double red_offset = std::clamp(Median(red), -kMostBalance, kMostBalance);
+  const double blue_offset = std::clamp(Median(blue), -kMostBalance, kMostBalance);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const double l =
+        (measured[i].lightness - light.dot(RowOf(pairs[i], modelled[i].lightness))) / kLightness;
+    const double r = (red[i] - red_offset) / kShare;
+    const double b = (blue[i] - blue_offset) / kShare;
+    sum += std::exp(-0.5 * (l * l + r * r + b * b));
+  }
+  return sum / static_cast<double>(pairs.size());
+}
+
+}  // namespace secondlook::perception

@@ -1,0 +1,192 @@
+#include "lib/perception/recognise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "lib/common/parallel.h"
+#include "lib/perception/hypothesise.h"
+#include "lib/perception/refine.h"
+#include "lib/perception/turn_by_color.h"
+
+namespace secondlook::perception {
+namespace {
+
+using world::Hypothesis;
+
+constexpr double kSameDistance = 0.010;                        // [m]
+constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;  // [rad]
+
+constexpr double kTurn = 10.0 * std::numbers::pi / 180.0;  // [rad]
+
+/// Keeps the best of poses that no one can tell apart, at most `count`. Best first.
+std::vector<Hypothesis> KeepDistinct(std::vector<Hypothesis> hypotheses,
+                                     const RecognitionModel& model, int count) {
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
+  std::vector<Hypothesis> kept;
+  for (Hypothesis& hypothesis : hypotheses) {
+    if (static_cast<int>(kept.size()) >= count) break;
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& other) {
+      const PoseDistance d =
+          DistanceUpToSymmetry(other.X_CM, hypothesis.X_CM, model.symmetry, model.center_M, true);
+      return d.translation < kSameDistance && d.rotation < kSameAngle;
+    });
+    if (!known) kept.push_back(std::move(hypothesis));
+  }
+  return kept;
+}
+
+/// The turns of X_CM about the centre by `angle` that the symmetry does not take back, about three
+/// axes of M: the continuous axis or z, and two across.
+std::vector<Pose> Neighbours(const RecognitionModel& model, const Pose& X_CM, double angle) {
+  const Eigen::Vector3d first =
+      model.symmetry.axis ? model.symmetry.axis->direction : Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d second = first.unitOrthogonal();
+  std::vector<Pose> poses;
+  for (const Eigen::Vector3d& direction : {first, second, Eigen::Vector3d(first.cross(second))}) {
+    for (const double sign : {-1.0, 1.0}) {
+      poses.push_back(X_CM * TurnAbout({model.center_M, direction}, sign * angle));
+    }
+  }
+  return poses;
+}
+
+/// Refines the guesses of one model, turns them by colour, and verifies each.
+std::vector<Hypothesis> Examine(const RecognitionModel& model,
+                                const std::vector<PoseGuess>& guesses, const View& view, int label,
+                                int inner_pixels, const RecogniseConfig& config) {
+  geometry::DepthRasteriser rasteriser;
+  std::vector<Hypothesis> hypotheses;
+  for (const PoseGuess& guess : guesses) {
+    const Pose X_refined = RefinePose(model, guess.X_CM, view, label, 4, &rasteriser);
+    for (const Pose& X_CM : TurnByColor(model, X_refined, view, label, 3)) {
+      Hypothesis hypothesis;
+      hypothesis.model = model.name;
+      hypothesis.X_CM = X_CM;
+      hypothesis.verification = Verify(model, X_CM, view, label, inner_pixels, config.verify,
+                                       &rasteriser, &hypothesis.score);
+      hypotheses.push_back(std::move(hypothesis));
+    }
+  }
+  hypotheses = KeepDistinct(std::move(hypotheses), model, config.hypotheses_per_model);
+  if (hypotheses.empty() || !hypotheses.front().verification.accepted) return hypotheses;
+  // Is the pose held by what is seen? A turn that fits nearly as well is a hypothesis of its own.
+  for (const Pose& X_CM : Neighbours(model, hypotheses.front().X_CM, kTurn)) {
+    Hypothesis turned;
+    turned.model = model.name;
+    turned.X_CM = X_CM;
+    turned.verification =
+        Verify(model, X_CM, view, label, inner_pixels, config.verify, &rasteriser, &turned.score);
+    if (turned.verification.accepted) hypotheses.push_back(std::move(turned));
+  }
+  return KeepDistinct(std::move(hypotheses), model, config.hypotheses_per_model);
+}
+
+double LogOdds(double score) {
+  const double bounded = std::clamp(score, 1e-12, 1.0 - 1e-12);
+  return std::log(bounded / (1.0 - bounded));
+}
+
+}  // namespace
+
+std::vector<world::Detection> Recognise(const View& view,
+                                        const std::vector<world::Cluster>& clusters,
+                                        const std::vector<RecognitionModel>& models,
+                                        const RecogniseConfig& config) {
+  const auto cluster_count = static_cast<int>(clusters.size());
+  const auto model_count = static_cast<int>(models.size());
+  std::vector<std::vector<geometry::OrientedPoint>> surfaces(clusters.size());
+  std::vector<int> inner(clusters.size());
+  ParallelFor(cluster_count, [&](int c) {
+    const auto i = static_cast<std::size_t>(c);
+    surfaces[i] = OrientCluster(view, c, clusters[i]);
+    inner[i] = InnerPixels(view, c, clusters[i]);
+  });
+  std::vector<std::vector<PoseGuess>> guesses(clusters.size() * models.size());
+  ParallelFor(cluster_count * model_count, [&](int k) {
+    const auto c = static_cast<std::size_t>(k / model_count);
+    guesses[static_cast<std::size_t>(k)] =
+        HypothesisePoses(models[static_cast<std::size_t>(k % model_count)], view,
+                         static_cast<int>(c), clusters[c], surfaces[c], config.guesses_per_model);
+  });
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    double best = 0.0;
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      const auto& list = guesses[c * models.size() + m];
+      if (!list.empty()) best = std::max(best, list.front().quality);
+    }
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      std::erase_if(guesses[c * models.size() + m], [&](const PoseGuess& guess) {
+        return guess.quality <= 0.02 || guess.quality < config.min_guess_share * best;
+      });
+    }
+  }
+  std::vector<std::vector<Hypothesis>> examined(guesses.size());
+  ParallelFor(cluster_count * model_count, [&](int k) {
+    const auto index = static_cast<std::size_t>(k);
+    const int c = k / model_count;
+    examined[index] = Examine(models[static_cast<std::size_t>(k % model_count)], guesses[index],
+                              view, c, inner[static_cast<std::size_t>(c)], config);
+  });
+
+  std::vector<world::Detection> detections(clusters.size());
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    world::Detection& detection = detections[c];
+    detection.cluster = clusters[c];
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      for (Hypothesis& h : examined[c * models.size() + m]) {
+        detection.hypotheses.push_back(std::move(h));
+      }
+    }
+    std::stable_sort(detection.hypotheses.begin(), detection.hypotheses.end(),
+                     [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
+    const bool accepted = std::any_of(detection.hypotheses.begin(), detection.hypotheses.end(),
+                                      [](const Hypothesis& h) { return h.verification.accepted; });
+    if (accepted) continue;
+    if (detection.hypotheses.empty()) {
+      detection.reason = fmt::format("none of {} models fits the {} pixels in any pose",
+                                     models.size(), clusters[c].pixels.size());
+    } else {
+      const Hypothesis& nearest = detection.hypotheses.front();
+      detection.reason =
+          fmt::format("nearest is {}: {}", nearest.model, nearest.verification.reason);
+    }
+  }
+  return detections;
+}
+
+std::vector<Choice> ChooseHypotheses(const std::vector<world::Detection>& detections,
+                                     const RecogniseConfig& config) {
+  std::vector<Choice> choices;
+  for (const world::Detection& detection : detections) {
+    Choice choice;
+    choice.reason = detection.reason;
+    for (std::size_t i = 0; i < detection.hypotheses.size(); ++i) {
+      const Hypothesis& h = detection.hypotheses[i];
+      if (!h.verification.accepted) continue;
+      choice.hypothesis = static_cast<int>(i);
+      choice.reason.clear();
+      for (std::size_t k = 0; k < detection.hypotheses.size(); ++k) {
+        const Hypothesis& rival = detection.hypotheses[k];
+        const double lead = LogOdds(h.score) - LogOdds(rival.score);
+        if (k == i || lead >= config.min_lead) continue;
+        choice.hypothesis = -1;
+        choice.reason = fmt::format(
+            "{} (score {:.3f}) is not enough ahead of {} (score {:.3f}): the log-odds differ by "
+            "{:.2f} (at least {:.2f})",
+            h.model, h.score, rival.model == h.model ? "another pose of it" : rival.model,
+            rival.score, lead, config.min_lead);
+        break;
+      }
+      break;
+    }
+    choices.push_back(std::move(choice));
+  }
+  return choices;
+}
+
+}  // namespace secondlook::perception

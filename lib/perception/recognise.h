@@ -1,0 +1,54 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lib/perception/recognition_model.h"
+#include "lib/perception/verify.h"
+#include "lib/perception/view.h"
+#include "lib/world/observation.h"
+
+namespace secondlook::perception {
+
+/// How hard recognition tries, and when it is sure.
+struct RecogniseConfig {
+  VerifyConfig verify;
+  int guesses_per_model = 4;      ///< Poses of one model that are refined.
+  int hypotheses_per_model = 3;   ///< That are handed on, with their verification.
+  double min_guess_share = 0.45;  ///< A guess below this share of the cluster's best is dropped.
+  /// How far ahead of every rival the best hypothesis must be to be verified: difference of the
+  /// log-odds of the scores.
+  double min_lead = 1.5;
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("verify", &verify);
+    a->Visit("guesses_per_model", &guesses_per_model);
+    a->Visit("hypotheses_per_model", &hypotheses_per_model);
+    a->Visit("min_guess_share", &min_guess_share);
+    a->Visit("min_lead", &min_lead);
+  }
+};
+
+/// What each cluster of `view` may be: for every model poses are proposed, refined and verified;
+/// models that are symmetric in shape are turned by colour. One Detection per cluster, in order;
+/// its hypotheses by falling score, at most `hypotheses_per_model` of a model, and no two of one
+/// model within 5 degrees and 10 mm up to its symmetry of shape and colour. `reason` says why none
+/// is accepted. The same for any number of threads.
+std::vector<world::Detection> Recognise(const View& view,
+                                        const std::vector<world::Cluster>& clusters,
+                                        const std::vector<RecognitionModel>& models,
+                                        const RecogniseConfig& config);
+
+/// Which hypothesis of a detection is beyond doubt.
+struct Choice {
+  int hypothesis{-1};  ///< Index into the detection's; -1: none is.
+  std::string reason;  ///< Why none is, with values; empty otherwise.
+};
+
+/// For each detection the hypothesis that is accepted and ahead of every rival by the lead: of
+/// every other model, and of the same model in another pose.
+std::vector<Choice> ChooseHypotheses(const std::vector<world::Detection>& detections,
+                                     const RecogniseConfig& config);
+
+}  // namespace secondlook::perception

@@ -1,0 +1,191 @@
+#include "lib/perception/recognition_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "lib/common/parallel.h"
+#include "lib/common/rng.h"
+#include "lib/geometry/sampling.h"
+
+namespace secondlook::perception {
+namespace {
+
+constexpr int kPoints = 1600;
+constexpr int kPatch = 4;  // drawn points whose colours make one
+constexpr int kMaxResting = 10;
+
+double AreaOf(const geometry::Mesh& mesh) {
+  double area = 0.0;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Eigen::Vector3f& a = mesh.vertices[t[0]];
+    area += 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
+  }
+  return area;
+}
+
+/// The mean colour around a point of a triangle, over a square of half-width `radius` [m] laid into
+/// the triangle's plane and clamped to the triangle.
+Eigen::Vector3f PatchColor(const geometry::Mesh& mesh, const geometry::MeshSample& sample,
+                           float radius, Rng* rng) {
+  const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(sample.triangle)];
+  const float edge = std::max((mesh.vertices[t[1]] - mesh.vertices[t[0]]).norm(),
+                              (mesh.vertices[t[2]] - mesh.vertices[t[0]]).norm());
+  const float reach = std::min(radius / std::max(edge, 1e-6F), 0.5F);
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (int i = 0; i < kPatch; ++i) {
+    Eigen::Vector3f w = sample.weights;
+    w[1] = std::clamp(w[1] + reach * static_cast<float>(rng->Uniform(-1.0, 1.0)), 0.0F, 1.0F);
+    w[2] =
+        std::clamp(w[2] + reach * static_cast<float>(rng->Uniform(-1.0, 1.0)), 0.0F, 1.0F - w[1]);
+    w[0] = 1.0F - w[1] - w[2];
+    sum += geometry::ColorAt(mesh, sample.triangle, w);
+  }
+  return sum / static_cast<float>(kPatch);
+}
+
+/// How high the centre lies above the lowest point when `down` points down.
+double CenterHeight(const std::vector<Eigen::Vector3f>& vertices, const Eigen::Vector3d& center,
+                    const Eigen::Vector3d& down) {
+  const Eigen::Vector3f d = down.cast<float>();
+  float lowest = -std::numeric_limits<float>::max();
+  for (const Eigen::Vector3f& v : vertices) lowest = std::max(lowest, d.dot(v));
+  return lowest - down.dot(center);
+}
+
+/// Extreme vertices: those that are the farthest in one of many directions. Others touch no plane.
+std::vector<Eigen::Vector3f> HullPoints(const std::vector<Eigen::Vector3f>& vertices,
+                                        const std::vector<Eigen::Vector3d>& directions) {
+  std::vector<std::size_t> kept;
+  for (const Eigen::Vector3d& direction : directions) {
+    const Eigen::Vector3f d = direction.cast<float>();
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < vertices.size(); ++i) {
+      if (d.dot(vertices[i]) > d.dot(vertices[best])) best = i;
+    }
+    kept.push_back(best);
+  }
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  std::vector<Eigen::Vector3f> points;
+  for (const std::size_t i : kept) points.push_back(vertices[i]);
+  return points;
+}
+
+/// Directions spread evenly over the sphere (a Fibonacci lattice).
+std::vector<Eigen::Vector3d> SphereDirections(int count) {
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  std::vector<Eigen::Vector3d> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - 2.0 * (i + 0.5) / count;
+    const double r = std::sqrt(1.0 - z * z);
+    directions.emplace_back(r * std::cos(golden * i), r * std::sin(golden * i), z);
+  }
+  return directions;
+}
+
+/// True when the symmetry of the shape takes one direction to the other.
+bool SameDirection(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Symmetry& symmetry) {
+  constexpr double kSame = 0.97;  // cosine of 14 degrees
+  for (const SymmetryMotion& motion : symmetry.motions) {
+    const Eigen::Vector3d turned = motion.X_MS.linear() * b;
+    if (symmetry.axis) {
+      const double along_a = std::acos(std::clamp(symmetry.axis->direction.dot(a), -1.0, 1.0));
+      const double along_b = std::acos(std::clamp(symmetry.axis->direction.dot(turned), -1.0, 1.0));
+      if (std::abs(along_a - along_b) < std::acos(kSame)) return true;
+    } else if (a.dot(turned) > kSame) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::vector<Eigen::Vector3d> RestingDirections(const std::vector<Eigen::Vector3f>& hull,
+                                               const Eigen::Vector3d& center,
+                                               const Symmetry& symmetry) {
+  struct Rest {
+    Eigen::Vector3d down;
+    double height;
+  };
+  std::vector<Rest> rests;
+  for (const Eigen::Vector3d& start : SphereDirections(100)) {
+    // Rolls downhill by ever smaller steps.
+    Rest rest{start, CenterHeight(hull, center, start)};
+    for (double step = 0.2; step > 0.004; step *= 0.5) {
+      for (int round = 0; round < 6; ++round) {
+        const Eigen::Vector3d side = rest.down.unitOrthogonal();
+        const Eigen::Vector3d other = rest.down.cross(side);
+        Rest best = rest;
+        for (int k = 0; k < 8; ++k) {
+          const double angle = k * std::numbers::pi / 4.0;
+          const Eigen::Vector3d down =
+              (rest.down + step * (std::cos(angle) * side + std::sin(angle) * other)).normalized();
+          const double height = CenterHeight(hull, center, down);
+          if (height < best.height) best = {down, height};
+        }
+        if (best.height >= rest.height) break;
+        rest = best;
+      }
+    }
+    rests.push_back(rest);
+  }
+  std::stable_sort(rests.begin(), rests.end(),
+                   [](const Rest& a, const Rest& b) { return a.height < b.height; });
+  std::vector<Eigen::Vector3d> directions;
+  for (const Rest& rest : rests) {
+    const bool known = std::any_of(
+        directions.begin(), directions.end(),
+        [&](const Eigen::Vector3d& d) { return SameDirection(d, rest.down, symmetry); });
+    if (!known) directions.push_back(rest.down);
+    if (directions.size() == kMaxResting) break;
+  }
+  return directions;
+}
+
+}  // namespace
+
+RecognitionModel TrainModel(const world::ObjectModel& object) {
+  RecognitionModel model;
+  model.name = object.name;
+  model.hash = object.hash;
+  model.mesh = object.mesh;
+  model.diameter = geometry::Diameter(object.mesh);
+  model.area = AreaOf(object.mesh);
+  Rng rng(1);
+  for (const geometry::MeshSample& sample : geometry::SampleSurface(model.mesh, kPoints, &rng)) {
+    model.points.push_back(
+        {sample.surface.point, sample.surface.normal,
+         PatchColor(model.mesh, sample, static_cast<float>(0.01 * model.diameter), &rng)});
+    model.center_M += sample.surface.point.cast<double>() / kPoints;
+  }
+  for (int i = kPoints - 1; i > 0; --i) {
+    std::swap(model.points[static_cast<std::size_t>(i)],
+              model.points[static_cast<std::size_t>(rng.Index(i + 1))]);
+  }
+  model.symmetry = FindSymmetry(model.mesh);
+  model.hull = HullPoints(model.mesh.vertices, SphereDirections(400));
+  model.resting_M = RestingDirections(model.hull, model.center_M, model.symmetry);
+  model.ppf = TrainPpf(model.mesh);
+  return model;
+}
+
+std::vector<RecognitionModel> TrainModels(const world::ObjectDatabase& database) {
+  std::vector<RecognitionModel> models(database.models().size());
+  ParallelFor(static_cast<int>(models.size()), [&](int i) {
+    const auto index = static_cast<std::size_t>(i);
+    models[index] = TrainModel(database.models()[index]);
+  });
+  return models;
+}
+
+double LowestHeight(const RecognitionModel& model, const Pose& X_CM,
+                    const world::SupportPlane& plane_C) {
+  const Eigen::Vector3f up_M = (X_CM.linear().transpose() * plane_C.normal_A).cast<float>();
+  float lowest = std::numeric_limits<float>::max();
+  for (const Eigen::Vector3f& v : model.hull) lowest = std::min(lowest, up_M.dot(v));
+  return lowest + plane_C.HeightOf(X_CM.translation());
+}
+
+}  // namespace secondlook::perception

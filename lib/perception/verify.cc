@@ -1,0 +1,283 @@
+#include "lib/perception/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "lib/perception/color_match.h"
+
+namespace secondlook::perception {
+namespace {
+
+using geometry::DepthRasteriser;
+using geometry::PixelRect;
+
+/// Of a pixel of the window.
+enum class Seen : std::uint8_t {
+  kNothing,     ///< No surface, or its rim.
+  kUnmeasured,  ///< Surface, but no measurement.
+  kHidden,      ///< Behind a nearer measurement.
+  kMatching,
+  kWrong,       ///< Measured at another depth.
+  kSeeThrough,  ///< Measured well behind.
+};
+
+/// The rendered surface without the pixels next to its outline or to a step in depth.
+std::vector<char> WithoutRim(const DepthRasteriser& rendered, double step) {
+  const PixelRect& window = rendered.window();
+  const std::vector<float>& depth = rendered.depth();
+  std::vector<char> inner(depth.size(), 0);
+  for (int y = 1; y + 1 < window.height; ++y) {
+    for (int x = 1; x + 1 < window.width; ++x) {
+      const int at = y * window.width + x;
+      const float z = depth[static_cast<std::size_t>(at)];
+      if (std::isnan(z)) continue;
+      bool flat = true;
+      for (int dy = -1; dy <= 1 && flat; ++dy) {
+        for (int dx = -1; dx <= 1 && flat; ++dx) {
+          // NaN fails the comparison as well.
+          const float other = depth[static_cast<std::size_t>(at + dy * window.width + dx)];
+          flat = std::abs(other - z) < step;
+        }
+      }
+      inner[static_cast<std::size_t>(at)] = flat ? 1 : 0;
+    }
+  }
+  return inner;
+}
+
+/// Measured minus rendered depth by pixel of the window; NaN where either is missing.
+std::vector<float> Differences(const DepthRasteriser& rendered, const View& view) {
+  const PixelRect& window = rendered.window();
+  std::vector<float> difference(rendered.depth().size());
+  for (int y = 0; y < window.height; ++y) {
+    const float* measured = view.depth.ptr<float>(window.y + y) + window.x;
+    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(window.width);
+    for (int x = 0; x < window.width; ++x) {
+      const std::size_t at = row + static_cast<std::size_t>(x);
+      difference[at] = measured[x] - rendered.depth()[at];
+    }
+  }
+  return difference;
+}
+
+/// The mean over 5 x 5 pixels of the differences that lie within `gate`.
+std::vector<float> Smooth(const std::vector<float>& difference, const PixelRect& window,
+                          float gate) {
+  const auto width = static_cast<std::size_t>(window.width);
+  const auto height = static_cast<std::size_t>(window.height);
+  std::vector<float> sum(difference.size(), 0.0F);
+  std::vector<float> count(difference.size(), 0.0F);
+  for (std::size_t y = 0; y < height; ++y) {
+    for (std::size_t x = 0; x < width; ++x) {
+      const float d = difference[y * width + x];
+      if (!(std::abs(d) < gate)) continue;
+      const std::size_t first = x < 2 ? 0 : x - 2;
+      const std::size_t last = std::min(x + 2, width - 1);
+      for (std::size_t k = first; k <= last; ++k) {
+        sum[y * width + k] += d;
+        count[y * width + k] += 1.0F;
+      }
+    }
+  }
+  std::vector<float> mean(difference.size());
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::size_t first = y < 2 ? 0 : y - 2;
+    const std::size_t last = std::min(y + 2, height - 1);
+    for (std::size_t x = 0; x < width; ++x) {
+      float s = 0.0F;
+      float n = 0.0F;
+      for (std::size_t k = first; k <= last; ++k) {
+        s += sum[k * width + x];
+        n += count[k * width + x];
+      }
+      mean[y * width + x] = n > 0.0F ? s / n : 0.0F;
+    }
+  }
+  return mean;
+}
+
+/// The mean colour of the 3 x 3 pixels around (x, y), RGB in [0, 1].
+Eigen::Vector3f MeasuredColor(const cv::Mat& color, int x, int y) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  float count = 0.0F;
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, color.rows - 1); ++v) {
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, color.cols - 1); ++u) {
+      const auto& rgb = color.at<cv::Vec3b>(v, u);
+      sum += Eigen::Vector3f(rgb[0], rgb[1], rgb[2]);
+      count += 255.0F;
+    }
+  }
+  return sum / count;
+}
+
+/// Pairs for up to about 700 of the matching pixels, on a regular grid.
+std::vector<ColorPair> PairColors(const RecognitionModel& model, const View& view,
+                                  const std::vector<Seen>& seen, int matching,
+                                  const DepthRasteriser& rendered) {
+  constexpr double kPairs = 700.0;
+  const PixelRect& window = rendered.window();
+  const int step = std::max(1, static_cast<int>(std::sqrt(matching / kPairs)));
+  std::vector<Eigen::Vector3f> modelled(seen.size());
+  std::vector<char> known(seen.size(), 0);
+  const auto color_at = [&](int at) -> const Eigen::Vector3f& {
+    const auto index = static_cast<std::size_t>(at);
+    if (known[index] == 0) {
+      known[index] = 1;
+      modelled[index] = geometry::ColorAt(model.mesh, rendered.triangle()[index],
+                                          rendered.Weights(model.mesh, at));
+    }
+    return modelled[index];
+  };
+  std::vector<ColorPair> pairs;
+  for (int y = 1; y + 1 < window.height; y += step) {
+    for (int x = 1; x + 1 < window.width; x += step) {
+      const int at = y * window.width + x;
+      if (seen[static_cast<std::size_t>(at)] != Seen::kMatching) continue;
+      // Matching pixels are off the rim, so all neighbours have a surface.
+      Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) sum += color_at(at + dy * window.width + dx);
+      }
+      pairs.push_back({MeasuredColor(view.color, window.x + x, window.y + y), sum / 9.0F,
+                       rendered.Normal(model.mesh, at)});
+    }
+  }
+  return pairs;
+}
+
+std::string ReasonAgainst(const world::Verification& v, double explained, double unmeasured,
+                          double lowest, const VerifyConfig& config) {
+  if (v.visible < config.min_visible_px) {
+    return fmt::format("only {} pixels of it are visible (at least {})", v.visible,
+                       config.min_visible_px);
+  }
+  if (v.visible_fraction < config.min_visible_fraction) {
+    return fmt::format("only {:.0f} % of it is visible (at least {:.0f} %)",
+                       100 * v.visible_fraction, 100 * config.min_visible_fraction);
+  }
+  if (unmeasured > config.max_unmeasured) {
+    return fmt::format("nothing is measured on {:.0f} % of it (at most {:.0f} %)", 100 * unmeasured,
+                       100 * config.max_unmeasured);
+  }
+  if (v.see_through > config.max_see_through * v.visible) {
+    return fmt::format("the camera sees through {:.0f} % of it (at most {:.0f} %)",
+                       100.0 * v.see_through / v.visible, 100 * config.max_see_through);
+  }
+  if (v.matching < config.min_matching * v.visible) {
+    return fmt::format("{:.0f} % of it has the right depth (at least {:.0f} %)",
+                       100.0 * v.matching / v.visible, 100 * config.min_matching);
+  }
+  if (explained < config.min_explained) {
+    return fmt::format("it explains {:.0f} % of the cluster (at least {:.0f} %)", 100 * explained,
+                       100 * config.min_explained);
+  }
+  if (v.quality < config.min_quality) {
+    return fmt::format("q_h = {:.2f} (at least {:.2f})", v.quality, config.min_quality);
+  }
+  if (lowest > config.max_gap_m || lowest < -config.max_sink_m) {
+    return fmt::format("its lowest point is {:.0f} mm above the support plane ({:.0f} to {:.0f})",
+                       1000 * lowest, -1000 * config.max_sink_m, 1000 * config.max_gap_m);
+  }
+  if (v.color_agreement < config.min_color_agreement) {
+    return fmt::format("its colours agree by {:.2f} (at least {:.2f})", v.color_agreement,
+                       config.min_color_agreement);
+  }
+  return {};
+}
+
+}  // namespace
+
+world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, const View& view,
+                           int label, int cluster_pixels, const VerifyConfig& config,
+                           DepthRasteriser* rasteriser, double* score) {
+  world::Verification result;
+  result.cluster = cluster_pixels;
+  result.color_agreement = std::numeric_limits<double>::quiet_NaN();
+  rasteriser->Render(model.mesh, X_CM, view.camera,
+                     geometry::ImageBounds(model.mesh, X_CM, view.camera, 2));
+  const PixelRect& window = rasteriser->window();
+  const double z = std::max(0.1, (X_CM * model.center_M).z());
+  const double tolerance = DepthTolerance(z);
+  const double mean_tolerance = 0.004 + geometry::DepthSigma(z);
+  const std::vector<char> inner = WithoutRim(*rasteriser, 2.0 * tolerance);
+  const std::vector<float> difference = Differences(*rasteriser, view);
+  const std::vector<float> mean = Smooth(difference, window, static_cast<float>(2.0 * tolerance));
+  std::vector<Seen> seen(difference.size(), Seen::kNothing);
+  int explained_pixels = 0;
+  int unmeasured = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (inner[i] == 0) continue;
+    ++result.rendered;
+    const float d = difference[i];
+    if (std::isnan(d)) {
+      ++unmeasured;
+      seen[i] = Seen::kUnmeasured;
+      continue;
+    }
+    const int x = window.x + static_cast<int>(i) % window.width;
+    const int y = window.y + static_cast<int>(i) / window.width;
+    const bool own = view.labels.at<int>(y, x) == label;
+    if (d < -tolerance && !own) {
+      seen[i] = Seen::kHidden;
+      continue;
+    }
+    ++result.visible;
+    if (std::abs(d) <= tolerance && std::abs(mean[i]) <= mean_tolerance) {
+      seen[i] = Seen::kMatching;
+      ++result.matching;
+      explained_pixels += own ? 1 : 0;
+    } else if (d > tolerance + 0.004) {
+      seen[i] = Seen::kSeeThrough;
+      ++result.see_through;
+    } else {
+      seen[i] = Seen::kWrong;
+    }
+  }
+  const double explained = std::min(1.0, explained_pixels / std::max(1.0, 1.0 * cluster_pixels));
+  if (result.rendered > 0) result.visible_fraction = 1.0 * result.visible / result.rendered;
+  if (result.visible > 0) {
+    result.quality = 1.0 * result.matching / result.visible * explained * explained;
+  }
+  if (!view.color.empty() && result.matching > 0) {
+    result.color_agreement =
+        CompareColors(PairColors(model, view, seen, result.matching, *rasteriser));
+  }
+  result.reason = ReasonAgainst(result, explained, 1.0 * unmeasured / std::max(1, result.rendered),
+                                LowestHeight(model, X_CM, view.plane_C), config);
+  result.accepted = result.reason.empty();
+  *score = ScoreOf(result, explained);
+  return result;
+}
+
+int InnerPixels(const View& view, int label, const world::Cluster& cluster) {
+  const int width = view.camera.width;
+  int count = 0;
+  for (const int pixel : cluster.pixels) {
+    const int x = pixel % width;
+    const int y = pixel / width;
+    if (x == 0 || y == 0 || x + 1 == width || y + 1 == view.camera.height) continue;
+    bool inner = true;
+    for (int v = y - 1; v <= y + 1; ++v) {
+      const int* row = view.labels.ptr<int>(v);
+      inner = inner && row[x - 1] == label && row[x] == label && row[x + 1] == label;
+    }
+    count += inner ? 1 : 0;
+  }
+  return count;
+}
+
+double ScoreOf(const world::Verification& v, double explained) {
+  if (v.visible == 0) return 0.0;
+  const double matching = 1.0 * v.matching / v.visible;
+  const double through = 1.0 * v.see_through / v.visible;
+  double odds = 14.0 * (matching - 0.85) + 8.0 * (explained - 0.85) - 12.0 * through;
+  if (!std::isnan(v.color_agreement)) odds += 30.0 * (v.color_agreement - 0.5);
+  return 1.0 / (1.0 + std::exp(-odds));
+}
+
+}  // namespace secondlook::perception

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "lib/geometry/camera_model.h"
+#include "lib/geometry/point_image.h"
+#include "lib/world/observation.h"
+#include "lib/world/support_plane.h"
+
+namespace secondlook::perception {
+
+/// One frame as recognition looks at it.
+struct View {
+  cv::Mat color;   ///< [height, width] CV_8UC3, RGB; empty: none.
+  cv::Mat depth;   ///< [height, width] CV_32FC1, z_C [m]; NaN = none.
+  cv::Mat labels;  ///< [height, width] CV_32SC1: index of the pixel's cluster, -1 = none.
+  geometry::CameraModel camera;
+  world::SupportPlane plane_C;  ///< In the camera frame.
+};
+
+/// The view of `color` (may be empty) and `depth` that holds `clusters`.
+/// @throws InvalidArgument when an image does not fit `camera` or is of another type, or a cluster
+/// has a pixel outside the image.
+View MakeView(const cv::Mat& color, const cv::Mat& depth, const geometry::CameraModel& camera,
+              const world::SupportPlane& plane_C, const std::vector<world::Cluster>& clusters);
+
+/// How far [m] a measurement at depth `z` may lie from the rendered surface and still be of it:
+/// 2.5 sigma of the sensor and 4 mm for the error of pose and model.
+inline double DepthTolerance(double z) { return 0.004 + 2.5 * geometry::DepthSigma(z); }
+
+}  // namespace secondlook::perception

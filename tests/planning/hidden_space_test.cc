@@ -1,0 +1,52 @@
+#include "lib/planning/hidden_space.h"
+
+#include <gtest/gtest.h>
+
+namespace secondlook::planning {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Vector3d;
+
+/// A table top 1.2 x 0.8 m, 0.75 m above the floor, centred at the origin.
+world::SupportPlane Table() {
+  world::SupportPlane plane;
+  plane.offset = 0.75;
+  plane.corners_A = {Vector3d(-0.6, -0.4, 0.75), Vector3d(0.6, -0.4, 0.75),
+                     Vector3d(0.6, 0.4, 0.75), Vector3d(-0.6, 0.4, 0.75)};
+  return plane;
+}
+
+TEST(HiddenRegions, FindsThePartOfTheTableThatWasNotSeen) {
+  world::VoxelSpace space;
+  space.ClearBox(AlignedBox3d(Vector3d(-0.7, -0.5, 0.7), Vector3d(0.7, 0.5, 1.0)));
+  EXPECT_TRUE(HiddenRegions(space, Table(), {}, {}).empty());
+  space.RemoveRegion(AlignedBox3d(Vector3d(0.1, 0.0, 0.7), Vector3d(0.4, 0.2, 1.0)));
+  const auto regions = HiddenRegions(space, Table(), {}, {});
+  ASSERT_EQ(regions.size(), 1U);
+  EXPECT_LT((regions[0].center().head<2>() - Eigen::Vector2d(0.25, 0.1)).norm(), 0.03);
+  EXPECT_NEAR(regions[0].sizes().x(), 0.3, 0.05);
+}
+
+TEST(HiddenRegions, LeavesOutWhatAKnownThingStandsOn) {
+  world::VoxelSpace space;
+  space.ClearBox(AlignedBox3d(Vector3d(-0.7, -0.5, 0.7), Vector3d(0.7, 0.5, 1.0)));
+  const AlignedBox3d thing(Vector3d(0.1, 0.0, 0.75), Vector3d(0.4, 0.2, 0.9));
+  space.RemoveRegion(thing);
+  EXPECT_TRUE(HiddenRegions(space, Table(), {thing}, {}).empty());
+}
+
+TEST(HiddenRegions, PutsTheLargestFirstAndLeavesOutTheTiny) {
+  world::VoxelSpace space;
+  space.ClearBox(AlignedBox3d(Vector3d(-0.7, -0.5, 0.7), Vector3d(0.7, 0.5, 1.0)));
+  space.RemoveRegion(AlignedBox3d(Vector3d(-0.4, 0.0, 0.7), Vector3d(-0.35, 0.05, 1.0)));
+  space.RemoveRegion(AlignedBox3d(Vector3d(0.3, 0.0, 0.7), Vector3d(0.42, 0.12, 1.0)));
+  space.RemoveRegion(AlignedBox3d(Vector3d(-0.1, 0.0, 0.7), Vector3d(0.15, 0.3, 1.0)));
+  const auto regions = HiddenRegions(space, Table(), {}, {});
+  ASSERT_EQ(regions.size(), 2U);
+  EXPECT_LT(regions[0].center().x(), 0.2);
+  EXPECT_GT(regions[1].center().x(), 0.2);
+}
+
+}  // namespace
+}  // namespace secondlook::planning
