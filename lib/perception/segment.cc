@@ -211,17 +211,21 @@ double Fill(const std::vector<Vector3d>& patch, const Vector3d& normal, double a
   return count / (area * expected / count);
 }
 
-/// Of the planes with a normal near `up`, the highest that is large enough and no slice.
+/// Of the planes with a normal near `up`, the highest that is large enough and no slice; where `up`
+/// is known to no better than 20 degrees, the one with the most points.
 PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vector<int>& candidates,
                              const Vector3d& up, const SegmentConfig& config) {
   Rng rng(1);  // chance in finding a plane, not in the result: any seed serves
   const std::size_t stride = std::max<std::size_t>(1, candidates.size() / kRansacPoints);
+  std::vector<int> left = candidates;
   std::vector<Vector3f> sample;
   for (std::size_t i = 0; i < candidates.size(); i += stride) {
     sample.push_back(cloud.points_C[candidates[i]]);
   }
   const double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
   constexpr double kMinFill = 0.4;  // of the best filled plane
+  // Where up is a guess, height along it means little: then the plane with the most points it is.
+  const bool level_known = config.max_tilt_deg <= 20.0;
   PlaneSearch highest;
   double highest_height = 0.0;
   double highest_fill = 0.0;
@@ -232,10 +236,13 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     if (!plane) break;
     for (int i = 0; i < 3; ++i) plane = Refit(sample, *plane, up);
     std::erase_if(sample, [&](const Vector3f& p) { return LiesOn(*plane, p); });
+    // A point belongs to the first plane only: the edge of a table is no second, tilted table.
     std::vector<Vector3d> inliers;
-    for (const int i : candidates) {
-      if (LiesOn(*plane, cloud.points_C[i])) inliers.push_back(cloud.points_C[i].cast<double>());
-    }
+    std::erase_if(left, [&](int i) {
+      if (!LiesOn(*plane, cloud.points_C[i])) return false;
+      inliers.push_back(cloud.points_C[i].cast<double>());
+      return true;
+    });
     // The best fit to a strip of wall is the wall.
     if (plane->normal.dot(up) < std::cos(max_tilt)) continue;
     most_points = std::max(most_points, static_cast<int>(inliers.size()));
@@ -249,7 +256,9 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     if (area < config.min_plane_area_m2 || width < config.min_plane_width_m) continue;
     const double height = up.dot(patch.front());
     const double fill = Fill(patch, plane->normal, area);
-    const bool higher = height > highest_height;
+    const bool higher =
+        !highest.plane || (level_known ? height > highest_height
+                                       : static_cast<int>(patch.size()) > highest.plane->inliers);
     const bool slice = fill < kMinFill * highest_fill;
     const bool was_slice = highest_fill < kMinFill * fill;
     if (highest.plane && (higher ? slice : !was_slice)) continue;
