@@ -223,7 +223,7 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     sample.push_back(cloud.points_C[candidates[i]]);
   }
   const double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
-  constexpr double kMinFill = 0.4;  // of the best filled plane
+  constexpr double kMinFill = 0.25;  // of the best filled plane
   // Where up is a guess, height along it means little: then the plane with the most points it is.
   const bool level_known = config.max_tilt_deg <= 20.0;
   PlaneSearch highest;
