@@ -93,8 +93,8 @@ void AddResting(const RecognitionModel& model, const View& view, const Eigen::Ve
 
 void AddVoted(const RecognitionModel& model, const std::vector<OrientedPoint>& surface_C,
               std::vector<Pose>* poses) {
-  constexpr int kPartners = 250;
-  constexpr int kReferences = 30;
+  constexpr int kPartners = 160;
+  constexpr int kReferences = 24;
   constexpr std::size_t kKept = 16;
   std::vector<OrientedPoint> scene;
   double spacing = model.ppf.spacing;

@@ -178,6 +178,11 @@ std::vector<Choice> ChooseHypotheses(const std::vector<world::Detection>& detect
     for (std::size_t i = 0; i < detection.hypotheses.size(); ++i) {
       const Hypothesis& h = detection.hypotheses[i];
       if (!h.verification.accepted) continue;
+      if (h.score < config.min_score) {
+        choice.reason = fmt::format("{} fits with a score of {:.3f} (at least {:.3f})", h.model,
+                                    h.score, config.min_score);
+        break;
+      }
       choice.hypothesis = static_cast<int>(i);
       choice.reason.clear();
       for (std::size_t k = 0; k < detection.hypotheses.size(); ++k) {
