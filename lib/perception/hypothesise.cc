@@ -6,6 +6,7 @@
 
 #include "lib/geometry/normals.h"
 #include "lib/perception/point_match.h"
+#include "lib/perception/turn_by_color.h"
 
 namespace secondlook::perception {
 namespace {
@@ -92,8 +93,8 @@ void AddResting(const RecognitionModel& model, const View& view, const Eigen::Ve
 
 void AddVoted(const RecognitionModel& model, const std::vector<OrientedPoint>& surface_C,
               std::vector<Pose>* poses) {
-  constexpr int kPartners = 250;
-  constexpr int kReferences = 30;
+  constexpr int kPartners = 160;
+  constexpr int kReferences = 24;
   constexpr std::size_t kKept = 16;
   std::vector<OrientedPoint> scene;
   double spacing = model.ppf.spacing;
@@ -131,6 +132,20 @@ std::vector<PoseGuess> KeepDistinct(std::vector<PoseGuess> guesses, const Recogn
   return kept;
 }
 
+/// How well the colours agree at the best of the poses that have the same shape; 1 where colour
+/// says nothing, or a turn about an axis would have to be searched first.
+double ColorShare(const RecognitionModel& model, const Pose& X_CM, const View& view, int label) {
+  if (view.color.empty() || model.symmetry.axis) return 1.0;
+  double best = 0.0;
+  for (const SymmetryMotion& motion : model.symmetry.motions) {
+    const double agreement =
+        PointColorAgreement(model, X_CM * motion.X_MS, view, label, kFinePoints);
+    if (std::isnan(agreement)) return 1.0;
+    best = std::max(best, agreement);
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<OrientedPoint> OrientCluster(const View& view, int label,
@@ -165,10 +180,11 @@ std::vector<PoseGuess> HypothesisePoses(const RecognitionModel& model, const Vie
     const Pose X = AlignPoints(model, X_CM, view, label, kRoughPoints / 2, 2, 0.04);
     guesses.push_back({X, MatchPoints(model, X, view, label, pixels, kRoughPoints).quality});
   }
-  guesses = KeepDistinct(std::move(guesses), model, 0.02, 0.2, 2 * count);
+  guesses = KeepDistinct(std::move(guesses), model, 0.02, 0.2, 3 * count);
   for (PoseGuess& guess : guesses) {
     guess.X_CM = AlignPoints(model, guess.X_CM, view, label, kFinePoints, 5, 0.025);
-    guess.quality = MatchPoints(model, guess.X_CM, view, label, pixels, kFinePoints).quality;
+    guess.quality = MatchPoints(model, guess.X_CM, view, label, pixels, kFinePoints).quality *
+                    (0.4 + 0.6 * ColorShare(model, guess.X_CM, view, label));
   }
   return KeepDistinct(std::move(guesses), model, 0.01, 0.12, count);
 }

@@ -12,7 +12,7 @@ namespace secondlook::perception {
 /// A pose worth refining, with what the model's points say about it.
 struct PoseGuess {
   Pose X_CM{Pose::Identity()};
-  double quality{};  ///< Of its PointMatch.
+  double quality{};  ///< Of its PointMatch, less where the colours disagree.
 };
 
 /// A cluster's surface as oriented points in C, one for each third pixel or so.

@@ -17,8 +17,8 @@ namespace {
 
 using world::Hypothesis;
 
-constexpr double kSameDistance = 0.010;                        // [m]
-constexpr double kSameAngle = 5.0 * std::numbers::pi / 180.0;  // [rad]
+constexpr double kSameDistance = 0.010;                       // [m]
+constexpr double kSamePeak = 9.0 * std::numbers::pi / 180.0;  // [rad]
 
 constexpr double kTurn = 10.0 * std::numbers::pi / 180.0;  // [rad]
 
@@ -33,7 +33,7 @@ std::vector<Hypothesis> KeepDistinct(std::vector<Hypothesis> hypotheses,
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& other) {
       const PoseDistance d =
           DistanceUpToSymmetry(other.X_CM, hypothesis.X_CM, model.symmetry, model.center_M, true);
-      return d.translation < kSameDistance && d.rotation < kSameAngle;
+      return d.translation < kSameDistance && d.rotation < kSamePeak;
     });
     if (!known) kept.push_back(std::move(hypothesis));
   }
@@ -74,13 +74,23 @@ std::vector<Hypothesis> Examine(const RecognitionModel& model,
   }
   hypotheses = KeepDistinct(std::move(hypotheses), model, config.hypotheses_per_model);
   if (hypotheses.empty() || !hypotheses.front().verification.accepted) return hypotheses;
-  // Is the pose held by what is seen? A turn that fits nearly as well is a hypothesis of its own.
+  // Is the pose held by what is seen? What fits as well after a turn is a hypothesis of its own;
+  // what fits better takes over.
+  const auto verify = [&](const Pose& X_CM) {
+    Hypothesis hypothesis;
+    hypothesis.model = model.name;
+    hypothesis.X_CM = X_CM;
+    hypothesis.verification = Verify(model, X_CM, view, label, inner_pixels, config.verify,
+                                     &rasteriser, &hypothesis.score);
+    return hypothesis;
+  };
+  const Pose X_polished = PolishByColor(model, hypotheses.front().X_CM, view, label);
+  const Pose X_refined = RefinePose(model, X_polished, view, label, 2, &rasteriser);
+  for (const Pose& X_CM : {X_polished, X_refined}) hypotheses.push_back(verify(X_CM));
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
   for (const Pose& X_CM : Neighbours(model, hypotheses.front().X_CM, kTurn)) {
-    Hypothesis turned;
-    turned.model = model.name;
-    turned.X_CM = X_CM;
-    turned.verification =
-        Verify(model, X_CM, view, label, inner_pixels, config.verify, &rasteriser, &turned.score);
+    Hypothesis turned = verify(X_CM);
     if (turned.verification.accepted) hypotheses.push_back(std::move(turned));
   }
   return KeepDistinct(std::move(hypotheses), model, config.hypotheses_per_model);
@@ -168,6 +178,11 @@ std::vector<Choice> ChooseHypotheses(const std::vector<world::Detection>& detect
     for (std::size_t i = 0; i < detection.hypotheses.size(); ++i) {
       const Hypothesis& h = detection.hypotheses[i];
       if (!h.verification.accepted) continue;
+      if (h.score < config.min_score) {
+        choice.reason = fmt::format("{} fits with a score of {:.3f} (at least {:.3f})", h.model,
+                                    h.score, config.min_score);
+        break;
+      }
       choice.hypothesis = static_cast<int>(i);
       choice.reason.clear();
       for (std::size_t k = 0; k < detection.hypotheses.size(); ++k) {

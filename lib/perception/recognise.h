@@ -16,9 +16,10 @@ struct RecogniseConfig {
   int guesses_per_model = 4;      ///< Poses of one model that are refined.
   int hypotheses_per_model = 3;   ///< That are handed on, with their verification.
   double min_guess_share = 0.45;  ///< A guess below this share of the cluster's best is dropped.
+  double min_score = 0.4;         ///< Of a hypothesis that is chosen.
   /// How far ahead of every rival the best hypothesis must be to be verified: difference of the
   /// log-odds of the scores.
-  double min_lead = 1.5;
+  double min_lead = 1.0;
 
   template <class A>
   void Serialize(A* a) {
@@ -26,6 +27,7 @@ struct RecogniseConfig {
     a->Visit("guesses_per_model", &guesses_per_model);
     a->Visit("hypotheses_per_model", &hypotheses_per_model);
     a->Visit("min_guess_share", &min_guess_share);
+    a->Visit("min_score", &min_score);
     a->Visit("min_lead", &min_lead);
   }
 };
@@ -33,7 +35,7 @@ struct RecogniseConfig {
 /// What each cluster of `view` may be: for every model poses are proposed, refined and verified;
 /// models that are symmetric in shape are turned by colour. One Detection per cluster, in order;
 /// its hypotheses by falling score, at most `hypotheses_per_model` of a model, and no two of one
-/// model within 5 degrees and 10 mm up to its symmetry of shape and colour. `reason` says why none
+/// model within 9 degrees and 10 mm up to its symmetry of shape and colour. `reason` says why none
 /// is accepted. The same for any number of threads.
 std::vector<world::Detection> Recognise(const View& view,
                                         const std::vector<world::Cluster>& clusters,

@@ -1,11 +1,13 @@
 #include "lib/perception/turn_by_color.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "lib/perception/color_match.h"
+#include "lib/perception/point_match.h"
 
 namespace secondlook::perception {
 namespace {
@@ -107,6 +109,35 @@ std::vector<Pose> TurnByColor(const RecognitionModel& model, const Pose& X_CM, c
   std::vector<Pose> poses;
   for (const Turned& turned : found) poses.push_back(turned.X_CM);
   return poses;
+}
+
+Pose PolishByColor(const RecognitionModel& model, Pose X_CM, const View& view, int label) {
+  if (view.color.empty()) return X_CM;
+  const int points = std::min(kPoints, static_cast<int>(model.points.size()));
+  const auto rate = [&](const Pose& X) {
+    const double agreement = PointColorAgreement(model, X, view, label, points);
+    const PointMatch match = MatchPoints(model, X, view, label, 1, points);
+    const double seen = match.matching + match.see_through;
+    return (std::isnan(agreement) ? 0.0 : agreement) +
+           2.0 * (seen > 0.0 ? match.matching / seen : 0.0);
+  };
+  const Eigen::Vector3d first =
+      model.symmetry.axis ? model.symmetry.axis->direction : Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d second = first.unitOrthogonal();
+  const std::array<Eigen::Vector3d, 3> axes{first, second, first.cross(second)};
+  double best = rate(X_CM);
+  for (const double step : {8.0, 4.0, 2.0, 1.0}) {
+    for (const Eigen::Vector3d& axis : axes) {
+      for (const double sign : {-1.0, 1.0}) {
+        const Pose X = X_CM * TurnAbout({model.center_M, axis}, sign * step * kDegree);
+        const double rating = rate(X);
+        if (rating <= best) continue;
+        best = rating;
+        X_CM = X;
+      }
+    }
+  }
+  return X_CM;
 }
 
 }  // namespace secondlook::perception

@@ -20,4 +20,8 @@ double PointColorAgreement(const RecognitionModel& model, const Pose& X_CM, cons
 std::vector<Pose> TurnByColor(const RecognitionModel& model, const Pose& X_CM, const View& view,
                               int label, int count);
 
+/// Turns X_CM by a few degrees about three axes of M through the centre, in steps of 8 down to 1
+/// degrees, to where colour and depth of the model's points agree best. Without colour: X_CM.
+Pose PolishByColor(const RecognitionModel& model, Pose X_CM, const View& view, int label);
+
 }  // namespace secondlook::perception

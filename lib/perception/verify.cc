@@ -115,13 +115,14 @@ Eigen::Vector3f MeasuredColor(const cv::Mat& color, int x, int y) {
   return sum / count;
 }
 
-/// Pairs for up to about 700 of the matching pixels, on a regular grid.
+/// Pairs for up to about 700 of the pixels that match or have no measurement (dark and shiny things
+/// return no depth but have a colour), on a regular grid.
 std::vector<ColorPair> PairColors(const RecognitionModel& model, const View& view,
-                                  const std::vector<Seen>& seen, int matching,
+                                  const std::vector<Seen>& seen, int pixels,
                                   const DepthRasteriser& rendered) {
   constexpr double kPairs = 700.0;
   const PixelRect& window = rendered.window();
-  const int step = std::max(1, static_cast<int>(std::sqrt(matching / kPairs)));
+  const int step = std::max(1, static_cast<int>(std::sqrt(pixels / kPairs)));
   std::vector<Eigen::Vector3f> modelled(seen.size());
   std::vector<char> known(seen.size(), 0);
   const auto color_at = [&](int at) -> const Eigen::Vector3f& {
@@ -137,8 +138,9 @@ std::vector<ColorPair> PairColors(const RecognitionModel& model, const View& vie
   for (int y = 1; y + 1 < window.height; y += step) {
     for (int x = 1; x + 1 < window.width; x += step) {
       const int at = y * window.width + x;
-      if (seen[static_cast<std::size_t>(at)] != Seen::kMatching) continue;
-      // Matching pixels are off the rim, so all neighbours have a surface.
+      const Seen what = seen[static_cast<std::size_t>(at)];
+      if (what != Seen::kMatching && what != Seen::kUnmeasured) continue;
+      // They are off the rim, so all neighbours have a surface.
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) sum += color_at(at + dy * window.width + dx);
@@ -245,7 +247,7 @@ world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, cons
   }
   if (!view.color.empty() && result.matching > 0) {
     result.color_agreement =
-        CompareColors(PairColors(model, view, seen, result.matching, *rasteriser));
+        CompareColors(PairColors(model, view, seen, result.matching + unmeasured, *rasteriser));
   }
   result.reason = ReasonAgainst(result, explained, 1.0 * unmeasured / std::max(1, result.rendered),
                                 LowestHeight(model, X_CM, view.plane_C), config);
