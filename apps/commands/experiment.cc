@@ -47,6 +47,7 @@ void AddExperiment(CLI::App* app, int*) {
   command->add_option("--models", experiment.models, "Folder of the known objects");
   command->add_option("--unfamiliar", experiment.unfamiliar, "Folder of the unknown objects");
   command->add_option("--data", experiment.data, "Folder of recorded data");
+  command->add_option("--report", experiment.report, "Folder for each trial's scene and result");
   command->add_option("--json", experiment.json, "Result as JSON; - is standard output");
   command->add_option("--threads", experiment.threads, "Trials side by side")
       ->check(CLI::Range(1, 256));

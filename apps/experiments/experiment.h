@@ -22,6 +22,7 @@ struct ExperimentOptions {
   std::string models;      ///< Folder of the object database.
   std::string unfamiliar;  ///< Folder of objects that are in no database; "": none.
   std::string data;        ///< Folder of recorded data, for the experiments that need it.
+  std::string report;      ///< Folder that keeps the scene and result of each trial; "": none.
   std::string json;        ///< Where the result goes; "-": standard output, "": nowhere.
   int threads = 2;         ///< Trials side by side.
 };

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <ctime>
+#include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
@@ -8,7 +9,10 @@
 #include "apps/experiments/experiment.h"
 #include "apps/experiments/judge.h"
 #include "apps/experiments/random_scene.h"
+#include "apps/json_output.h"
 #include "apps/mission.h"
+#include "apps/report.h"
+#include "apps/run_config.h"
 #include "sim/sim_robot.h"
 
 namespace secondlook::apps {
@@ -48,7 +52,10 @@ const char* ToString(Progress progress) {
 /// A mission takes at most so many steps, whatever its budget: the net under a hang.
 constexpr int kMaxSteps = 100;
 
-Json RunTrial(const sim::Scene& scene, const world::ObjectDatabase& database, std::uint64_t seed) {
+/// Runs one mission; with a `report` folder, leaves its scene and result there.
+Json RunTrial(const sim::Scene& scene, const ExperimentOptions& options,
+              const world::ObjectDatabase& database, std::uint64_t seed,
+              const std::filesystem::path& report) {
   const std::clock_t begin = std::clock();
   sim::SimulatedRobot simulated = sim::MakeSimulatedRobot(scene, {}, seed);
   Mission mission(
@@ -68,6 +75,15 @@ Json RunTrial(const sim::Scene& scene, const world::ObjectDatabase& database, st
   trial["verdicts"] = Json::array();
   for (const Verdict& verdict : Judge(mission, *simulated.world)) {
     trial["verdicts"].push_back(ToJson(verdict));
+  }
+  if (!report.empty()) {
+    sim::SaveScene(scene, report / "scene.yaml");
+    RunConfig config;
+    config.robot = sim::SimConfig{(report / "scene.yaml").string(), {}, "none"};
+    config.models = options.models;
+    config.seed = seed;
+    WriteReport(config, mission, report);
+    WriteJson(trial, (report / "trial.json").string());
   }
   return trial;
 }
@@ -141,7 +157,11 @@ void RunMissionsExperiment(const ExperimentOptions& options) {
         const std::uint64_t seed = ForkSeed(options.seed, fmt::format("trial {}", t));
         Rng rng(ForkSeed(seed, "scene"));
         const sim::Scene scene = fixed ? *fixed : DrawScene(repertoire, &rng);
-        Json result = RunTrial(scene, database, seed);
+        const std::filesystem::path report =
+            options.report.empty()
+                ? ""
+                : std::filesystem::path(options.report) / fmt::format("trial_{}", t);
+        Json result = RunTrial(scene, options, database, seed, report);
         fmt::print(stderr, "trial {}: {}\n", t, result["end"].get<std::string>());
         return result;
       },
