@@ -31,7 +31,10 @@ std::optional<Capture> Capturer::Take(Duration timeout) {
   if (!frame) return std::nullopt;
   robot_->clock->SleepUntil(frame->time + kSettle);
   Poll();
-  return Capture{*frame, X_WB_.At(frame->time) * X_BC_.At(frame->time)};
+  const Pose X_WB = X_WB_.At(frame->time);
+  const Pose X_WC = X_WB * X_BC_.At(frame->time);
+  return Capture{*frame, robot_->head_camera->info().model, X_WC,
+                 X_WB.translation() - X_WC.translation()};
 }
 
 }  // namespace secondlook::apps

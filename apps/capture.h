@@ -11,7 +11,9 @@ namespace secondlook::apps {
 /// A frame and where it was taken from.
 struct Capture {
   hal::RgbdFrame frame;
+  hal::CameraModel camera;
   Pose X_WC{Pose::Identity()};  ///< At the frame's time, as localisation and encoders say.
+  Eigen::Vector3d p_CB_W{Eigen::Vector3d::Zero()};  ///< From the camera to the base's origin [m].
 };
 
 /// Takes frames with the camera on the head and finds the camera's pose at the time of measurement

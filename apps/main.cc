@@ -1,7 +1,7 @@
 #include <exception>
 
-#include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include "apps/commands/commands.h"
 #include "lib/common/error.h"
@@ -20,6 +20,7 @@ int Run(int argc, char** argv) {
   int status = kDone;
   AddModel(&app, &status);
   AddRecognise(&app, &status);
+  AddRun(&app, &status);
   AddSegment(&app, &status);
   try {
     app.parse(argc, argv);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "lib/common/error.h"
 
@@ -15,7 +16,8 @@ constexpr RampLimits kDrive{0.5, 0.5};        // [m/s], [m/s^2]
 constexpr RampLimits kTurn{1.0, 2.0};         // [rad/s], [rad/s^2]
 constexpr double kAtWaypoint = 0.005;         // [m]
 constexpr double kClearance = 0.02;           // [m] that the safety sensor keeps
-constexpr double kLookAhead = 0.1;            // [m] beyond the stopping distance
+constexpr double kLookAhead = 0.3;            // [m] beyond the stopping distance
+constexpr double kBerth = 0.3;                // [m] that it keeps from what moves, besides
 constexpr double kPatience = 4.0;             // [s] for what is in the way to pass
 constexpr double kLocalisationSettles = 1.0;  // [s] of moving until its error is another
 constexpr double kSteerUntil = 0.2;           // [m] before the waypoint it stops correcting
@@ -177,13 +179,9 @@ bool BaseDrive::SeesSomethingAhead(double remaining, const Surroundings& surroun
   const Vector2d here = Position(X_WB_);
   const Vector2d there =
       here + std::min(stopping + kLookAhead, remaining + kAtWaypoint) * Heading(X_WB_.yaw);
-  const Nearest ahead = surroundings.NearestTo(here, there, reach);
-  if (ahead.distance >= reach) return false;
-  // What is beside or behind and does not come nearer is not in the way.
-  const Nearest now = surroundings.NearestTo(here, here, reach);
-  if (ahead.distance > now.distance - 1e-6) return false;
-  seen_W_ = ahead.point_W;
-  return true;
+  const std::optional<Vector2d> seen = surroundings.InTheWay(here, there, reach, kBerth);
+  if (seen) seen_W_ = *seen;
+  return seen.has_value();
 }
 
 void BaseDrive::NextWaypoint() {

@@ -16,6 +16,8 @@ namespace {
 constexpr double kRadians = std::numbers::pi / 180.0;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr double kSteepest = 89.0 * kRadians;  // where the growth of Nguyen's formula is cut off
+constexpr double kSteepestCosine = 0.0175;     // of the same angle
+constexpr double kSmooth = 0.005;              // [m] a step that a smooth surface may have
 
 /// The quantile of the standard normal distribution at p in (0, 1), by bisection of its integral.
 double NormalQuantile(double p) {
@@ -79,16 +81,18 @@ class SmoothField {
   SmoothField(int width, int height, double spacing, FastGaussian* gaussian)
       : spacing_(std::max(spacing, 1.0)),
         columns_(static_cast<int>(width / spacing_) + 2),
-        values_(columns_ * static_cast<std::size_t>(height / spacing_ + 2)) {
+        values_(static_cast<std::size_t>(columns_ * (static_cast<int>(height / spacing_) + 2))) {
     for (float& value : values_) value = gaussian->Next();
   }
 
   double At(int u, int v) const {
     const double x = u / spacing_;
     const double y = v / spacing_;
-    const double fx = x - std::floor(x);
-    const double fy = y - std::floor(y);
-    const float* node = &values_[static_cast<int>(y) * columns_ + static_cast<int>(x)];
+    const int column = static_cast<int>(x);
+    const int row = static_cast<int>(y);
+    const double fx = x - column;
+    const double fy = y - row;
+    const float* node = &values_[static_cast<std::size_t>(row * columns_ + column)];
     const double mean = (1 - fy) * ((1 - fx) * node[0] + fx * node[1]) +
                         fy * ((1 - fx) * node[columns_] + fx * node[columns_ + 1]);
     const double variance = ((1 - fx) * (1 - fx) + fx * fx) * ((1 - fy) * (1 - fy) + fy * fy);
@@ -101,8 +105,18 @@ class SmoothField {
   std::vector<float> values_;
 };
 
-double Incidence(float cosine) {
-  return std::acos(std::clamp(static_cast<double>(cosine), 0.0, 1.0));
+/// True when pixels `a` and `b`, `shift` pixels apart, may show one smooth surface: their depths
+/// differ by no more than twice what the slope at `a` explains, or by less than kSmooth. False when
+/// either sees nothing.
+bool SameSurface(const Render& clean, const geometry::CameraModel& model, int a, int b,
+                 double shift) {
+  if (a == b) return true;
+  const double z = clean.depth.ptr<float>()[a];
+  const double step = std::abs(z - clean.depth.ptr<float>()[b]);
+  if (step <= kSmooth) return true;
+  const double cosine = std::max<double>(clean.cos_incidence.ptr<float>()[a], kSteepestCosine);
+  const double slope = std::sqrt(1.0 - std::min(cosine * cosine, 1.0)) / cosine;
+  return step <= 2.0 * slope * z / model.fx * (shift + 1.0);
 }
 
 /// For each pixel the index of the pixel whose surface it sees: itself, but near an outline perhaps
@@ -114,28 +128,24 @@ std::vector<int> JitterOutlines(const Render& clean, const geometry::CameraModel
   std::vector<int> source(static_cast<std::size_t>(width) * height);
   const SmoothField du(width, height, config.lateral_correlation_px, gaussian);
   const SmoothField dv(width, height, config.lateral_correlation_px, gaussian);
+  const double sigma = config.depth_lateral_sigma_px;
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
       const int here = v * width + u;
-      source[here] = here;
-      if (config.depth_lateral_sigma_px == 0.0) continue;
-      const double shift_u = config.depth_lateral_sigma_px * du.At(u, v);
-      const double shift_v = config.depth_lateral_sigma_px * dv.At(u, v);
-      const int u2 = std::clamp(static_cast<int>(std::lround(u + shift_u)), 0, width - 1);
-      const int v2 = std::clamp(static_cast<int>(std::lround(v + shift_v)), 0, height - 1);
-      const int there = v2 * width + u2;
-      const float z = clean.depth.at<float>(v, u);
-      const float z2 = clean.depth.at<float>(v2, u2);
-      // What one surface may differ over the shift by its slope; more is another surface.
-      const double slope =
-          std::tan(std::min(Incidence(clean.cos_incidence.at<float>(v, u)), kSteepest));
-      const double steepest = 2.0 * slope * z / model.fx * (std::hypot(u2 - u, v2 - v) + 1.0);
-      const bool same_surface = std::abs(z - z2) <= std::max(0.005, steepest);
-      if (!same_surface) source[here] = there;  // also when either sees nothing
+      const int u2 =
+          std::clamp(static_cast<int>(std::lround(u + sigma * du.At(u, v))), 0, width - 1);
+      const int v2 =
+          std::clamp(static_cast<int>(std::lround(v + sigma * dv.At(u, v))), 0, height - 1);
+      const double shift = std::hypot(u2 - u, v2 - v);
+      const bool same = SameSurface(clean, model, here, v2 * width + u2, shift);
+      source[here] = same ? here : v2 * width + u2;
     }
   }
   return source;
 }
+
+/// The angle [rad] of `cosine`, or 0 below 60 degrees, where it does not matter.
+double IncidenceBeyond60(double cosine) { return cosine < 0.5 ? std::acos(cosine) : 0.0; }
 
 bool BesideAStep(const cv::Mat& depth, int u, int v, double edge_jump) {
   const float z = depth.at<float>(v, u);
@@ -223,6 +233,7 @@ double AxialSigma(double z, double incidence) {
 double DarkShinyLoss(double luminance, double specular, double cos_incidence,
                      const NoiseConfig& config) {
   const double dark = std::clamp(1.0 - luminance / config.dark_luminance, 0.0, 1.0);
+  if (dark == 0.0 || specular <= 0.0) return 0.0;
   const double shiny = std::clamp(specular / config.shiny_specular, 0.0, 1.0);
   const double facing = std::pow(std::clamp(cos_incidence, 0.0, 1.0), 20.0);  // 1 within ~10 deg
   return config.dark_shiny_loss * dark * shiny * (1.0 - 0.5 * facing);
@@ -237,26 +248,25 @@ cv::Mat DepthNoise(const Render& clean, const geometry::CameraModel& model, cons
   for (std::size_t i = 0; i < source.size(); ++i) {
     seen.ptr<float>()[i] = clean.depth.ptr<float>()[source[i]];
   }
-  const double max_incidence = config.max_incidence_deg * kRadians;
+  const double min_cosine = std::cos(config.max_incidence_deg * kRadians);
   cv::Mat measured(clean.depth.size(), CV_32FC1, cv::Scalar(kNone));
   for (int v = 0; v < seen.rows; ++v) {
     for (int u = 0; u < width; ++u) {
       // Each pixel draws the same number of times, so that one surface does not shift the noise of
       // another.
       const double error = gaussian.Next();
-      const double luck = 0.5 * std::erfc(gaussian.Next() / std::numbers::sqrt2);
+      const double luck = gaussian.Next();
       const double z = seen.at<float>(v, u);
       if (!(z > 0.0)) continue;
       const int from = source[static_cast<std::size_t>(v) * width + u];
       const float cosine = clean.cos_incidence.ptr<float>()[from];
-      const double incidence = Incidence(cosine);
-      if (incidence > max_incidence) continue;
-      if (luck < DarkShinyLoss(clean.luminance.ptr<float>()[from],
-                               clean.specular.ptr<float>()[from], cosine, config)) {
-        continue;
-      }
+      if (cosine < min_cosine) continue;
+      const double loss = DarkShinyLoss(clean.luminance.ptr<float>()[from],
+                                        clean.specular.ptr<float>()[from], cosine, config);
+      if (loss > 0.0 && 0.5 * std::erfc(luck / std::numbers::sqrt2) < loss) continue;
       if (config.edge_jump > 0.0 && BesideAStep(seen, u, v, config.edge_jump)) continue;
-      const double noisy = z + config.depth_axial_scale * AxialSigma(z, incidence) * error;
+      const double noisy =
+          z + config.depth_axial_scale * AxialSigma(z, IncidenceBeyond60(cosine)) * error;
       if (!(noisy > 0.0)) continue;
       const double depth = Quantised(noisy, model, config);
       if (depth < range.min || depth > range.max) continue;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "lib/common/error.h"
 #include "lib/common/hash.h"
 #include "lib/common/rng.h"
 
@@ -38,6 +39,10 @@ std::uint64_t SimCamera::Newest() const {
 }
 
 std::optional<hal::RgbdFrame> SimCamera::Grab(Duration timeout) {
+  if (fault_ == CameraFault::kLost) {
+    Throw<DeviceError>("camera '{}': the device is lost; check its cable and restart (simulated)",
+                       info_.name);
+  }
   const Time deadline = world_->Now() + timeout;
   while (Newest() <= last_sequence_) {
     if (world_->Now() + World::kStep > deadline) return std::nullopt;

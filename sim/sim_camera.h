@@ -15,6 +15,7 @@ enum class CameraFault {
   kNone,
   kNan,      ///< Depth is NaN everywhere.
   kNothing,  ///< No frame ever comes.
+  kLost,     ///< The device is gone: Grab() throws DeviceError.
 };
 
 /// The RGB-D camera on the head of the simulated robot: 640 x 480, 58 x 45 degrees, 0.5 to 6 m, 30
@@ -27,6 +28,9 @@ class SimCamera : public hal::Camera {
 
   const hal::CameraInfo& info() const override { return info_; }
   std::optional<hal::RgbdFrame> Grab(Duration timeout) override;
+
+  /// Breaks or mends the camera from now on.
+  void SetFault(CameraFault fault) { fault_ = fault; }
 
  private:
   /// The number of the newest frame that has arrived; 0: none.

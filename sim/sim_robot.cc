@@ -25,7 +25,8 @@ CameraFault ParseCameraFault(const std::string& text) {
   if (text == "none") return CameraFault::kNone;
   if (text == "nan") return CameraFault::kNan;
   if (text == "nothing") return CameraFault::kNothing;
-  Throw<ConfigError>("'camera_fault' = '{}' must be none, nan or nothing", text);
+  if (text == "lost") return CameraFault::kLost;
+  Throw<ConfigError>("'camera_fault' = '{}' must be none, nan, nothing or lost", text);
 }
 
 void SimConfig::Validate() const { ParseCameraFault(camera_fault); }

@@ -19,7 +19,7 @@ struct SimConfig {
 
   std::string scene{"sim/scenes/default.yaml"};  ///< The scene file.
   NoiseConfig noise;                             ///< A scene's own 'noise' goes over it.
-  std::string camera_fault{"none"};              ///< none, nan or nothing; see CameraFault.
+  std::string camera_fault{"none"};              ///< none, nan, nothing or lost; see CameraFault.
 
   template <class A>
   void Serialize(A* a) {
@@ -31,7 +31,7 @@ struct SimConfig {
   void Validate() const;
 };
 
-/// Parses "none", "nan" or "nothing". @throws ConfigError naming `text` otherwise.
+/// Parses "none", "nan", "nothing" or "lost". @throws ConfigError naming `text` otherwise.
 CameraFault ParseCameraFault(const std::string& text);
 
 /// A robot and the world that it lives in. The world must outlive the robot, and does.

@@ -1,6 +1,7 @@
 #include "sim/surroundings.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace secondlook::sim {
 
@@ -13,19 +14,24 @@ Nearest NearestOf(const Disc& disc, const Vector2d& a, const Vector2d& b) {
   return {center.distance - disc.radius, disc.center_W + toward * (disc.radius / center.distance)};
 }
 
-Nearest Surroundings::NearestTo(const Vector2d& a, const Vector2d& b, double reach) const {
-  Nearest nearest{reach, b};
+std::optional<Vector2d> Surroundings::InTheWay(const Vector2d& a, const Vector2d& b, double reach,
+                                               double berth) const {
+  constexpr double kNearer = 1e-6;  // [m]
+  std::optional<Vector2d> point;
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const auto& thing, double touch) {
+    const Nearest ahead = NearestOf(thing, a, b);
+    if (ahead.distance >= std::min(touch, nearest)) return;
+    if (ahead.distance > NearestOf(thing, a, a).distance - kNearer) return;
+    nearest = ahead.distance;
+    point = ahead.point_W;
+  };
   for (const Footprint& footprint : fixed) {
-    const Nearest around = NearestOf(Disc{{}, footprint.center_W, footprint.bound}, a, b);
-    if (around.distance >= nearest.distance) continue;
-    const Nearest here = NearestOf(footprint, a, b);
-    if (here.distance < nearest.distance) nearest = here;
+    const Disc around{{}, footprint.center_W, footprint.bound};
+    if (NearestOf(around, a, b).distance < reach) consider(footprint, reach);
   }
-  for (const Disc& disc : moving) {
-    const Nearest here = NearestOf(disc, a, b);
-    if (here.distance < nearest.distance) nearest = here;
-  }
-  return nearest;
+  for (const Disc& disc : moving) consider(disc, reach + berth);
+  return point;
 }
 
 }  // namespace secondlook::sim

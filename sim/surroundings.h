@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,11 @@ struct Surroundings {
   std::vector<Footprint> fixed;
   std::vector<Disc> moving;
 
-  /// The nearest thing to the segment from `a` to `b` (in W) that is nearer than `reach` [m];
-  /// otherwise the distance is `reach`.
-  Nearest NearestTo(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach) const;
+  /// The point [m] of the nearest thing that is in the way of a disc of radius `reach` [m] from `a`
+  /// to `b` (in W): the disc would touch it and comes nearer to it than at `a`; what is beside or
+  /// behind is not in the way. From what moves it keeps `berth` [m] more. Empty: the way is free.
+  std::optional<Eigen::Vector2d> InTheWay(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                                          double reach, double berth) const;
 };
 
 /// The nearest point of `disc` to the segment from `a` to `b`, all in W.

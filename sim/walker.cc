@@ -5,7 +5,7 @@
 namespace secondlook::sim {
 namespace {
 
-constexpr double kKeepsFrom = 0.15;  // [m] between it and the robot
+constexpr double kKeepsFrom = 0.05;  // [m] between it and the robot
 
 }  // namespace
 

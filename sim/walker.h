@@ -15,7 +15,7 @@ class Walker {
  public:
   explicit Walker(const MovingObstacle& obstacle);
 
-  /// Walks on for `dt` [s], unless that would bring it within 0.15 m of the disc `robot`.
+  /// Walks on for `dt` [s], unless that would bring it within 5 cm of the disc `robot`.
   void Step(double dt, const Disc& robot);
 
   Disc disc() const { return {obstacle_.name, position_W_, obstacle_.radius}; }

@@ -1,6 +1,7 @@
 #include "lib/fusion/conclude.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <vector>
@@ -17,6 +18,18 @@ using world::ObjectState;
 using world::PoseHypothesis;
 using world::ViewEvidence;
 
+/// The support that a view gives to a hypothesis.
+double SupportOf(const ViewEvidence& evidence, const ConcludeConfig& config) {
+  const world::Hypothesis& h = evidence.hypothesis;
+  return h.verification.accepted ? h.score : std::min(h.score, config.max_unaccepted);
+}
+
+double LogOdds(double score) {
+  constexpr double kTiny = 1e-12;
+  const double bounded = std::clamp(score, kTiny, 1.0 - kTiny);
+  return std::log(bounded / (1.0 - bounded));
+}
+
 bool Accepted(const PoseHypothesis& hypothesis) {
   return std::any_of(hypothesis.evidence.begin(), hypothesis.evidence.end(),
                      [](const ViewEvidence& e) { return e.hypothesis.verification.accepted; });
@@ -30,14 +43,14 @@ void Weigh(const ConcludeConfig& config, PoseHypothesis* h) {
   for (const ViewEvidence& e : h->evidence) {
     const world::Verification& v = e.hypothesis.verification;
     weight += v.visible;
-    sum += v.visible * e.hypothesis.score;
+    sum += v.visible * LogOdds(SupportOf(e, config));
     if (!h->struck && v.visible_fraction >= config.strike_visible_fraction &&
         e.hypothesis.score < config.strike_score) {
       h->struck = true;
       h->reason = fmt::format("view {} contradicts it: {}", e.view, v.reason);
     }
   }
-  h->support = weight > 0.0 ? sum / weight : 0.0;
+  h->support = weight > 0.0 ? 1.0 / (1.0 + std::exp(-sum / weight)) : 0.0;
 }
 
 /// The best surviving hypothesis of each class. @pre hypotheses are ordered.
@@ -55,7 +68,7 @@ world::MassFunction Discounted(world::MassFunction m, double reliability) {
   return m;
 }
 
-world::MassFunction FuseViews(const ObjectBelief& object, double reliability) {
+world::MassFunction FuseViews(const ObjectBelief& object, const ConcludeConfig& config) {
   const auto best = BestByClass(object);
   std::set<int> views;
   for (const auto& [c, h] : best) {
@@ -66,25 +79,36 @@ world::MassFunction FuseViews(const ObjectBelief& object, double reliability) {
     std::map<std::string, double> supports;
     for (const auto& [c, h] : best) {
       for (const ViewEvidence& e : h->evidence) {
-        if (e.view == view) supports[c] = e.hypothesis.score;
+        if (e.view == view) supports[c] = SupportOf(e, config);
       }
     }
-    fused = Combine(fused, Discounted(FromSupports(supports), reliability));
+    fused = Combine(fused, Discounted(FromSupports(supports), config.view_reliability));
   }
   return fused;
 }
 
 /// Another pose of the best hypothesis's model that the views cannot rule out, or null.
-const PoseHypothesis* PoseRival(const ObjectBelief& object, double margin) {
+const PoseHypothesis* PoseRival(const ObjectBelief& object, const ConcludeConfig& config) {
   const PoseHypothesis& best = object.hypotheses.front();
   for (const PoseHypothesis& h : object.hypotheses) {
     if (&h == &best || h.struck || h.model != best.model) continue;
-    if (h.support > best.support - margin) return &h;
+    if (Lead(config, best, h) < config.min_lead) return &h;
   }
   return nullptr;
 }
 
 }  // namespace
+
+double Lead(const ConcludeConfig& config, const PoseHypothesis& a, const PoseHypothesis& b) {
+  double lead = 0.0;
+  for (const ViewEvidence& ea : a.evidence) {
+    for (const ViewEvidence& eb : b.evidence) {
+      if (ea.view == eb.view)
+        lead += LogOdds(SupportOf(ea, config)) - LogOdds(SupportOf(eb, config));
+    }
+  }
+  return lead;
+}
 
 void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
               ObjectBelief* object) {
@@ -94,7 +118,7 @@ void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_v
                      if (a.struck != b.struck) return b.struck;
                      return a.support > b.support;
                    });
-  object->masses = FuseViews(*object, config.view_reliability);
+  object->masses = FuseViews(*object, config);
   object->state = ObjectState::kCandidate;
 
   const PoseHypothesis* best = object->Best();
@@ -127,7 +151,7 @@ void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_v
 
   const double belief = NormalisedBelief(object->masses, c);
   const double needed = task.ConfidenceFor(c);
-  const PoseHypothesis* rival = PoseRival(*object, config.rival_margin);
+  const PoseHypothesis* rival = PoseRival(*object, config);
   if (belief < needed) {
     std::string second;
     double second_mass = 0.0;

@@ -11,9 +11,11 @@ struct ConcludeConfig {
   /// `strike_score`, strikes the hypothesis.
   double strike_visible_fraction = 0.35;
   double strike_score = 0.1;
-  /// A second pose of the same model whose support comes this near to the best's keeps the object
-  /// open: the views cannot tell the two apart.
-  double rival_margin = 0.15;
+  /// A view that does not accept a hypothesis supports it by no more than this, whatever its score.
+  double max_unaccepted = 0.3;
+  /// A second pose of the same model keeps the object open unless the best is ahead of it by this
+  /// much (see Lead).
+  double min_lead = 1.5;
   /// Each view's masses are discounted by this (Shafer): views share errors.
   double view_reliability = 0.97;
   /// An object is unknown when at least this many views saw it …
@@ -25,12 +27,18 @@ struct ConcludeConfig {
   void Serialize(A* a) {
     a->Visit("strike_visible_fraction", &strike_visible_fraction);
     a->Visit("strike_score", &strike_score);
-    a->Visit("rival_margin", &rival_margin);
+    a->Visit("max_unaccepted", &max_unaccepted);
+    a->Visit("min_lead", &min_lead);
     a->Visit("view_reliability", &view_reliability);
     a->Visit("unknown_views", &unknown_views);
     a->Visit("unknown_ignorance", &unknown_ignorance);
   }
 };
+
+/// By how much the views prefer `a` to `b`: the difference of the log-odds of their scores, summed
+/// over the views that were asked about both. Positive: `a` is the better one.
+double Lead(const ConcludeConfig& config, const world::PoseHypothesis& a,
+            const world::PoseHypothesis& b);
 
 /// Draws the conclusion from the evidence in `object->hypotheses`: sets
 /// every hypothesis's support, struck and reason, their order, the object's
@@ -38,8 +46,9 @@ struct ConcludeConfig {
 /// enough to be recognised. A pure function of the evidence; the order of the views does not
 /// matter.
 ///
-/// - A hypothesis's support is the mean of its scores, weighted by the pixels each view saw of it:
-///   a pose that fits one view and not the other falls behind the one that fits both.
+/// - A hypothesis's support is the mean of its scores' log-odds, weighted by the pixels each view
+///   saw of it, as a probability: a pose that fits one view and not the other falls behind the one
+///   that fits both.
 /// - A class counts in every view with what that view says of the class's best surviving
 ///   hypothesis; the masses of the views are combined by the transferable belief model.
 /// - Verified: the class has the confidence that the task asks for, the hypothesis was accepted in

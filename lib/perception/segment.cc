@@ -26,6 +26,8 @@ using Eigen::Vector3f;
 constexpr int kRansacRounds = 400;
 constexpr int kRansacPoints = 6000;
 constexpr int kMaxPlanes = 5;
+constexpr double kThinning = 0.02;               // [m]
+constexpr double kMaxTiltBetweenPlanes = 0.035;  // [rad]
 
 struct Plane {
   Vector3d normal;
@@ -179,15 +181,14 @@ std::vector<cv::Point2f> ConvexExtent(const std::vector<Vector3d>& points,
   return hull;
 }
 
-/// One point for each cell of 2 cm on the plane.
+/// One point for each cell of kThinning on the plane.
 std::vector<Vector3d> Thinned(const std::vector<Vector3d>& points, const Vector3d& normal) {
-  constexpr double kCell = 0.02;
   const auto axes = PlaneAxes(normal);
   std::set<std::pair<int, int>> taken;
   std::vector<Vector3d> thinned;
   for (const Vector3d& p : points) {
-    const int u = static_cast<int>(std::floor(axes[0].dot(p) / kCell));
-    const int v = static_cast<int>(std::floor(axes[1].dot(p) / kCell));
+    const int u = static_cast<int>(std::floor(axes[0].dot(p) / kThinning));
+    const int v = static_cast<int>(std::floor(axes[1].dot(p) / kThinning));
     if (taken.insert({u, v}).second) thinned.push_back(p);
   }
   return thinned;
@@ -199,71 +200,50 @@ struct PlaneSearch {
   std::string reason;
 };
 
-/// How densely `patch` covers its convex extent of `area` [m^2], up to a factor that is the same
-/// for all planes of a view: its points, by what a surface of that area there would show. A slice
-/// through the things on a table covers little of its extent.
-double Fill(const std::vector<Vector3d>& patch, const Vector3d& normal, double area) {
-  double expected = 0.0;
-  for (const Vector3d& p : patch) {
-    expected += std::abs(normal.dot(p)) / (p.norm() * p.squaredNorm());
-  }
-  const auto count = static_cast<double>(patch.size());
-  return count / (area * expected / count);
-}
-
-/// Of the planes with a normal near `up`, the highest that is large enough and no slice; where `up`
-/// is known to no better than 20 degrees, the one with the most points.
+/// Of the planes with a normal near `up`, the highest that is large enough.
 PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vector<int>& candidates,
                              const Vector3d& up, const SegmentConfig& config) {
   Rng rng(1);  // chance in finding a plane, not in the result: any seed serves
   const std::size_t stride = std::max<std::size_t>(1, candidates.size() / kRansacPoints);
-  std::vector<int> left = candidates;
   std::vector<Vector3f> sample;
   for (std::size_t i = 0; i < candidates.size(); i += stride) {
     sample.push_back(cloud.points_C[candidates[i]]);
   }
-  const double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
-  constexpr double kMinFill = 0.25;  // of the best filled plane
-  // Where up is a guess, height along it means little: then the plane with the most points it is.
-  const bool level_known = config.max_tilt_deg <= 20.0;
+  Vector3d level = up;
+  double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
   PlaneSearch highest;
   double highest_height = 0.0;
-  double highest_fill = 0.0;
   int most_points = 0;
   double largest_area = 0.0;
   for (int round = 0; round < kMaxPlanes && sample.size() >= 10; ++round) {
-    std::optional<Plane> plane = Ransac(sample, up, max_tilt, &rng);
+    std::optional<Plane> plane = Ransac(sample, level, max_tilt, &rng);
     if (!plane) break;
     for (int i = 0; i < 3; ++i) plane = Refit(sample, *plane, up);
     std::erase_if(sample, [&](const Vector3f& p) { return LiesOn(*plane, p); });
-    // A point belongs to the first plane only: the edge of a table is no second, tilted table.
     std::vector<Vector3d> inliers;
-    std::erase_if(left, [&](int i) {
-      if (!LiesOn(*plane, cloud.points_C[i])) return false;
-      inliers.push_back(cloud.points_C[i].cast<double>());
-      return true;
-    });
+    for (const int i : candidates) {
+      if (LiesOn(*plane, cloud.points_C[i])) inliers.push_back(cloud.points_C[i].cast<double>());
+    }
     // The best fit to a strip of wall is the wall.
-    if (plane->normal.dot(up) < std::cos(max_tilt)) continue;
+    if (plane->normal.dot(level) < std::cos(max_tilt)) continue;
     most_points = std::max(most_points, static_cast<int>(inliers.size()));
     if (static_cast<int>(inliers.size()) < config.min_plane_points) continue;
     std::vector<Vector3d> patch = LargestPatch(inliers, plane->normal);
-    const double area = cv::contourArea(ConvexExtent(patch, PlaneAxes(plane->normal)));
+    // Not the convex extent: a plane through the flanks of many things has that, but no surface.
+    const double area =
+        kThinning * kThinning * static_cast<double>(Thinned(patch, plane->normal).size());
     largest_area = std::max(largest_area, area);
     const auto corners = FitRectangle(patch, plane->normal, plane->offset);
     const double width =
         std::min((corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm());
     if (area < config.min_plane_area_m2 || width < config.min_plane_width_m) continue;
-    const double height = up.dot(patch.front());
-    const double fill = Fill(patch, plane->normal, area);
-    const bool higher =
-        !highest.plane || (level_known ? height > highest_height
-                                       : static_cast<int>(patch.size()) > highest.plane->inliers);
-    const bool slice = fill < kMinFill * highest_fill;
-    const bool was_slice = highest_fill < kMinFill * fill;
-    if (highest.plane && (higher ? slice : !was_slice)) continue;
+    // Whatever else is level is parallel to the first, which has the most points.
+    level = plane->normal;
+    max_tilt = kMaxTiltBetweenPlanes;
+    double height = 0.0;
+    for (const Vector3d& p : patch) height += level.dot(p) / static_cast<double>(patch.size());
+    if (highest.plane && height < highest_height) continue;
     highest_height = height;
-    highest_fill = fill;
     highest.plane = {plane->normal, plane->offset, corners, static_cast<int>(patch.size())};
     highest.patch = std::move(patch);
   }

@@ -18,7 +18,7 @@ struct SegmentConfig {
   double max_tilt_deg = 10.0;       ///< A support plane's normal lies this near to `up`.
   double max_range_m = 3.0;         ///< Points farther from the camera are left out.
   int min_plane_points = 1500;      ///< A plane with fewer is none.
-  double min_plane_area_m2 = 0.06;  ///< Of its convex extent; the top of a box has less.
+  double min_plane_area_m2 = 0.06;  ///< Of what was seen of it; the top of a box has less.
   double min_plane_width_m =
       0.12;                     ///< The shorter side of its rectangle; a strip of wall has less.
   double min_height_m = 0.008;  ///< Lower than this, and than 3 sigma of the depth, is the plane.

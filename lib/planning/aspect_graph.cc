@@ -9,6 +9,7 @@
 
 #include "lib/common/error.h"
 #include "lib/common/parallel.h"
+#include "lib/geometry/point_image.h"
 
 namespace secondlook::planning {
 namespace {
@@ -21,10 +22,6 @@ constexpr std::array<std::pair<const char*, LookStrategy>, 5> kStrategies = {
      {"nearest", LookStrategy::kNearest},
      {"random", LookStrategy::kRandom},
      {"fixed step", LookStrategy::kFixedStep}}};
-
-/// The axial noise of a Kinect-class depth camera at depth z, sigma [m] (Nguyen, Izadi and Lovell
-/// 2012).
-double DepthSigma(double z) { return 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4); }
 
 /// A ray of the modelled camera that meets the target's box.
 struct BoxRay {
@@ -161,7 +158,7 @@ double CompromiseScore(const std::vector<ModelVisibility>& models) {
 bool Differs(const PosedModel& a, const geometry::RayHit& hit_a, const PosedModel& b,
              const geometry::RayHit& hit_b, const AspectGraphConfig& config) {
   if (hit_a.triangle < 0 || hit_b.triangle < 0) return true;  // one of them lets the ray by
-  const double sigma = DepthSigma(0.5 * (hit_a.distance + hit_b.distance));
+  const double sigma = geometry::DepthSigma(0.5 * (hit_a.distance + hit_b.distance));
   if (std::abs(hit_a.distance - hit_b.distance) > config.depth_sigmas * sigma) return true;
   const Eigen::Vector3f color_a = geometry::ColorAt(*a.mesh, hit_a.triangle, hit_a.weights);
   const Eigen::Vector3f color_b = geometry::ColorAt(*b.mesh, hit_b.triangle, hit_b.weights);

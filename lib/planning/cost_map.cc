@@ -136,11 +136,12 @@ void CostMap::Block(const Eigen::Vector2d& p_W, double radius) {
     Throw<InvalidArgument>("cost map: a disc of {} m around ({}, {}) m is not finite", radius,
                            p_W.x(), p_W.y());
   }
+  const double reach = radius + 0.5 * config_.cell_m;  // cells that it touches
   const Cell middle = CellOf(p_W);
   if (Contains(middle)) occupied_[Index(middle)] = 1;
   for (int y = 0; y < size_; ++y) {
     for (int x = 0; x < size_; ++x) {
-      if ((CenterOf({x, y}) - p_W).norm() <= radius) occupied_[Index({x, y})] = 1;
+      if ((CenterOf({x, y}) - p_W).norm() <= reach) occupied_[Index({x, y})] = 1;
     }
   }
   ComputeClearance();

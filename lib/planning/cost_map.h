@@ -69,8 +69,11 @@ class CostMap {
   bool Occupied(const Cell& cell) const { return occupied_[Index(cell)] != 0; }
   /// From the cell's centre to the nearest occupied cell's edge [m], 0 in an occupied cell.
   double Clearance(const Cell& cell) const { return clearance_[Index(cell)]; }
-  /// The base's centre may be there.
-  bool Passable(const Cell& cell) const { return Clearance(cell) >= safe_radius_; }
+  /// The base's centre may be there. Half a cell, by which a grid may be wrong, is taken from the
+  /// clearance; where the base is to stand, the CollisionChecker decides exactly.
+  bool Passable(const Cell& cell) const {
+    return Clearance(cell) >= safe_radius_ - 0.5 * config_.cell_m;
+  }
   /// What a metre there counts: 1, or the config's unknown_cost.
   double Cost(const Cell& cell) const {
     return seen_[Index(cell)] != 0 ? 1.0 : config_.unknown_cost;

@@ -77,6 +77,10 @@ void Routes::Search() {
       // Out of a blocked start, and only uphill.
       const bool escapes = !map_.Passable(cell) && map_.Clearance(next) > map_.Clearance(cell);
       if (!map_.Passable(next) && !escapes) continue;
+      if (dx != 0 && dy != 0 && !escapes &&
+          !(map_.Passable({cell.x(), next.y()}) && map_.Passable({next.x(), cell.y()}))) {
+        continue;  // cuts a blocked corner
+      }
       const double length = (dx != 0 && dy != 0 ? std::sqrt(2.0) : 1.0) * map_.cell();
       const double total = cost + length * 0.5 * (map_.Cost(cell) + map_.Cost(next));
       if (!(total < cost_[Index(next)])) continue;
@@ -112,8 +116,8 @@ std::vector<Eigen::Vector2d> Routes::Straighten(
     double along = LineCost(points_W[at], points_W[next]);
     for (std::size_t i = at + 2; i < points_W.size(); ++i) {
       along += LineCost(points_W[i - 1], points_W[i]);
-      if (LineCost(points_W[at], points_W[i]) <= along + kHere) next = i;
       if (std::isinf(along)) break;  // still on the way out of a blocked start
+      if (LineCost(points_W[at], points_W[i]) <= along + kHere) next = i;
     }
     straight.push_back(points_W[next]);
     at = next;
@@ -143,8 +147,8 @@ PlannedPath Routes::To(const Pose2& goal_W) const {
   }
   if (!map_.Passable(goal) && goal != start) {
     return refuse(
-        fmt::format("the goal ({:.2f}, {:.2f}) m is {:.2f} m from what is occupied; the "
-                    "base needs {:.2f} m",
+        fmt::format("the goal ({:.2f}, {:.2f}) m is {:.3f} m from what is occupied; the "
+                    "base needs {:.3f} m",
                     goal_W.x, goal_W.y, map_.Clearance(goal), map_.safe_radius()));
   }
   if (std::isinf(cost_[Index(goal)])) {

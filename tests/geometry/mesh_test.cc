@@ -1,8 +1,12 @@
 #include "lib/geometry/mesh.h"
 
+#include <bit>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -165,6 +169,64 @@ TEST_F(MeshFile, ReadsAnStlAndJoinsItsCorners) {
       kMetre);
   EXPECT_EQ(mesh.vertices.size(), 4U);
   EXPECT_EQ(mesh.triangles.size(), 2U);
+}
+
+std::string LittleEndian(std::uint32_t value) {
+  std::string bytes;
+  for (int i = 0; i < 4; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xff);
+  return bytes;
+}
+
+std::string Floats(const std::vector<float>& values) {
+  std::string bytes;
+  for (const float value : values) bytes += LittleEndian(std::bit_cast<std::uint32_t>(value));
+  return bytes;
+}
+
+std::string Chunk(const std::string& type, std::string content, char padding) {
+  while (content.size() % 4 != 0) content += padding;
+  return LittleEndian(static_cast<std::uint32_t>(content.size())) + type + content;
+}
+
+/// A GLB file: one triangle whose image, 1 x 2 texels, is embedded as PNG: red above blue. It hangs
+/// in a node that is moved by 1 m along x.
+std::string TexturedGlb() {
+  cv::Mat image(2, 1, CV_8UC3);
+  image.at<cv::Vec3b>(0, 0) = {0, 0, 255};  // BGR, as OpenCV writes it
+  image.at<cv::Vec3b>(1, 0) = {255, 0, 0};
+  std::vector<unsigned char> png;
+  cv::imencode(".png", image, png);
+  const std::string positions = Floats({0, 0, 0, 0.1F, 0, 0, 0, 0.1F, 0});
+  const std::string uv = Floats({0.5F, 0.25F, 0.5F, 0.25F, 0.5F, 0.25F});  // glTF: v points down
+  const std::string binary = positions + uv + std::string(png.begin(), png.end());
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+      R"("nodes":[{"mesh":0,"translation":[1,0,0]}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],)"
+      R"("materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],)"
+      R"("textures":[{"source":0}],"images":[{"bufferView":2,"mimeType":"image/png"}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",)"
+      R"("min":[0,0,0],"max":[0.1,0.1,0]},)"
+      R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}],)" +
+      fmt::format(R"("bufferViews":[{{"buffer":0,"byteOffset":0,"byteLength":36}},)"
+                  R"({{"buffer":0,"byteOffset":36,"byteLength":24}},)"
+                  R"({{"buffer":0,"byteOffset":60,"byteLength":{}}}],)"
+                  R"("buffers":[{{"byteLength":{}}}]}})",
+                  png.size(), binary.size());
+  const std::string chunks =
+      Chunk("JSON", json, ' ') + Chunk(std::string("BIN\0", 4), binary, '\0');
+  return "glTF" + LittleEndian(2) + LittleEndian(static_cast<std::uint32_t>(12 + chunks.size())) +
+         chunks;
+}
+
+TEST_F(MeshFile, ReadsAGlbWithItsEmbeddedTextureAndNodeTransform) {
+  const Mesh mesh = LoadMesh(Write("t.glb", TexturedGlb()), kMetre);
+  ASSERT_EQ(mesh.triangles.size(), 1U);
+  EXPECT_NEAR(Bounds(mesh).min().x(), 1.0, 1e-6);
+  EXPECT_NEAR(Bounds(mesh).max().x(), 1.1, 1e-6);
+  ASSERT_EQ(mesh.materials[0].texture.rows, 2);
+  EXPECT_EQ(mesh.materials[0].texture.at<cv::Vec3b>(0, 0), cv::Vec3b(255, 0, 0));
+  EXPECT_TRUE(ColorAt(mesh, 0, {0.2F, 0.3F, 0.5F}).isApprox(Eigen::Vector3f(1, 0, 0), 1e-3F));
 }
 
 TEST_F(MeshFile, RefusesWhatIsNoMeshAndNamesTheFile) {

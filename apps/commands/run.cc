@@ -1,0 +1,89 @@
+#include <ctime>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/commands/commands.h"
+#include "apps/make_robot.h"
+#include "apps/mission.h"
+#include "apps/report.h"
+#include "apps/run_config.h"
+#include "apps/stop_signal.h"
+#include "lib/common/files.h"
+#include "lib/common/parallel.h"
+#include "lib/world/object_database.h"
+
+namespace secondlook::apps {
+namespace {
+
+struct RunOptions {
+  std::string config;
+  std::vector<std::string> overrides;
+  std::string report;
+  bool plan_only{};
+};
+
+double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+int StatusOf(Progress progress) {
+  switch (progress) {
+    case Progress::kSettled:
+      return kDone;
+    case Progress::kStopped:
+      return 128 + StopSignal();
+    default:
+      return kUnsettled;
+  }
+}
+
+void PrintPlan(const std::optional<TakenLook>& plan) {
+  if (!plan) {
+    fmt::print("\nno look is needed or possible\n");
+    return;
+  }
+  fmt::print("\nnext look: {} for object {}: {}\n", plan->look.kind, plan->look.target,
+             plan->look.reason);
+}
+
+int Run(const RunOptions& options) {
+  const RunConfig config = LoadRunConfig(options.config, options.overrides);
+  if (!options.report.empty()) MakeWritableFolder(options.report);
+  const ThreadLimit threads(config.threads);
+  const auto database = world::ObjectDatabase::Load(config.models);
+  ReadyRobot ready = MakeRobot(config.robot, config.seed);
+  CatchStopSignals();
+  Mission mission(
+      config.mission, config.task, database, ready.calibration, config.seed,
+      [] { return StopSignal() != 0; }, &ready.robot);
+  Progress progress = Progress::kMore;
+  if (options.plan_only) {
+    PrintPlan(mission.Plan());
+    progress = StopSignal() != 0 ? Progress::kStopped : Progress::kSettled;
+  } else {
+    while (progress == Progress::kMore) progress = mission.Step();
+  }
+  PrintSummary(mission, ProcessorSeconds());
+  if (!options.report.empty()) {
+    WriteReport(config, mission, options.report);
+    fmt::print("the result lies in {}\n", options.report);
+  }
+  return StatusOf(progress);
+}
+
+}  // namespace
+
+void AddRun(CLI::App* app, int* status) {
+  CLI::App* run = app->add_subcommand("run", "Runs a mission");
+  const auto options = std::make_shared<RunOptions>();  // outlives this function in the callback
+  run->add_option("--config", options->config, "Configuration, YAML")->required();
+  run->add_option("--set", options->overrides, "KEY=VALUE, over the configuration; may be repeated")
+      ->expected(1)
+      ->take_all();
+  run->add_option("--report", options->report, "Folder for mission.json, config and pictures");
+  run->add_flag("--plan-only", options->plan_only, "Look once, say what would be done, don't move");
+  run->callback([options, status] { *status = Run(*options); });
+}
+
+}  // namespace secondlook::apps

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "apps/run_config.h"
+#include "lib/hal/robot.h"
+#include "lib/kinematics/head.h"
+#include "sim/world.h"
+
+namespace secondlook::apps {
+
+/// A robot that is ready, and what it needs to live.
+struct ReadyRobot {
+  std::unique_ptr<sim::World> world;  ///< Null on a real robot. Outlives `robot`.
+  hal::Robot robot;
+  kinematics::HeadCalibration calibration;
+};
+
+/// Connects to the robot that `config` describes: the only place that knows every backend.
+/// @throws ConfigError for a wrong configuration, DeviceError for a device that does not answer.
+ReadyRobot MakeRobot(const RobotConfig& config, std::uint64_t seed);
+
+}  // namespace secondlook::apps

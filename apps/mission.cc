@@ -1,0 +1,313 @@
+#include "apps/mission.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "lib/common/error.h"
+#include "lib/planning/hidden_space.h"
+
+namespace secondlook::apps {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using world::ObjectBelief;
+using world::ObjectState;
+
+/// Where the head looks for a table, one after the other.
+constexpr std::array<hal::PanTiltAngles, 9> kSearch{{{0.0, 0.35},
+                                                     {0.7, 0.35},
+                                                     {-0.7, 0.35},
+                                                     {1.4, 0.35},
+                                                     {-1.4, 0.35},
+                                                     {2.1, 0.35},
+                                                     {-2.1, 0.35},
+                                                     {0.0, 0.7},
+                                                     {0.0, 0.1}}};
+
+/// Hypotheses with less than this share of the best one's support do not guide a look …
+constexpr double kMinSupportShare = 0.3;
+/// … and below this support, no model fits at all.
+constexpr double kMinSupport = 0.15;
+constexpr std::size_t kMaxHypotheses = 4;
+
+/// The box around `box_W` and the model's own box at X_WM.
+void ExtendByModel(const geometry::Mesh& mesh, const Pose& X_WM, Eigen::AlignedBox3d* box_W) {
+  const Eigen::AlignedBox3d box_M = geometry::Bounds(mesh);
+  for (int corner = 0; corner < 8; ++corner) {
+    box_W->extend(X_WM * box_M.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  }
+}
+
+}  // namespace
+
+Mission::Mission(const MissionConfig& config, const world::Task& task,
+                 const world::ObjectDatabase& database,
+                 const kinematics::HeadCalibration& calibration, std::uint64_t seed,
+                 StopRequest stop, hal::Robot* robot)
+    : config_(config),
+      task_(task),
+      robot_(robot),
+      calibration_(calibration),
+      stop_(std::move(stop)),
+      rng_(ForkSeed(seed, "mission")),
+      capturer_(robot, calibration),
+      scene_(config.understanding, task, database),
+      start_(robot->clock->Now()) {
+  config.looks.cost_map.Validate();
+  config.looks.views.Validate();
+  config.looks.aspect_graph.Validate();
+  for (const perception::RecognitionModel& model : scene_.models()) {
+    ray_casters_.emplace(model.name, model.mesh);
+  }
+}
+
+Progress Mission::Step() {
+  if (searched_ == 0) return Act(*SearchForTable());  // wherever the head looked before
+  const std::optional<TakenLook> look = Plan();
+  return look ? Act(*look) : progress_;
+}
+
+std::optional<TakenLook> Mission::Plan() {
+  const std::optional<Capture> capture = Grab();
+  if (!capture) {
+    End(Progress::kStopped, "stopped on request");
+    return std::nullopt;
+  }
+  Understand(*capture);
+  if (!belief().plane_W) return SearchForTable();
+  return Choose(WhatIsOpen());
+}
+
+/// A frame, or nothing when asked to stop meanwhile.
+std::optional<Capture> Mission::Grab() {
+  for (int i = 0; i < config_.looks.frame_tries; ++i) {
+    if (stop_()) return std::nullopt;
+    std::optional<Capture> capture = capturer_.Take(Seconds(config_.looks.frame_timeout_s));
+    if (capture) return capture;
+  }
+  robot_->Stop();
+  Throw<DeviceError>(
+      "camera '{}': no frame in {} tries of {} s; check its cable and driver, or raise "
+      "mission.looks.frame_timeout_s",
+      robot_->head_camera->info().name, config_.looks.frame_tries, config_.looks.frame_timeout_s);
+}
+
+void Mission::Understand(const Capture& capture) {
+  Charge(config_.looks.understand_seconds);
+  const std::string reason = scene_.Add(capture);
+  if (!reason.empty())
+    spdlog::warn("nothing learned from frame {}: {}", capture.frame.sequence, reason);
+  for (const ObjectBelief& object : belief().objects) {
+    std::string& told = told_[object.id];
+    if (told == object.reason) continue;
+    told = object.reason;
+    spdlog::info("object {}: {}: {}", object.id, ToString(object.state), object.reason);
+  }
+}
+
+Mission::Question Mission::WhatIsOpen() const {
+  Question question;
+  std::vector<Eigen::AlignedBox3d> known_W;
+  for (const ObjectBelief& object : belief().objects) {
+    if (object.state == ObjectState::kRejected) continue;
+    Eigen::AlignedBox3d box_W = object.extent_W;
+    if (object.state == ObjectState::kVerified) {
+      const world::PoseHypothesis& best = *object.Best();
+      const auto& models = scene_.models();
+      const auto model = std::find_if(models.begin(), models.end(),
+                                      [&](const auto& m) { return m.name == best.model; });
+      ExtendByModel(model->mesh, best.X_WM, &box_W);
+    }
+    known_W.push_back(box_W);
+    if (object.Settled()) continue;
+    (object.looks_taken < config_.looks.per_object ? question.open : question.spent)
+        .push_back(&object);
+  }
+  if (explored_ < config_.looks.at_hidden_space) {
+    question.hidden_W = planning::HiddenRegions(scene_.space(), *belief().plane_W, known_W,
+                                                config_.looks.hidden_space);
+  }
+  return question;
+}
+
+std::optional<TakenLook> Mission::SearchForTable() {
+  if (searched_ == static_cast<int>(kSearch.size())) {
+    End(Progress::kNoLook, "no table was found in any direction");
+    return std::nullopt;
+  }
+  TakenLook taken;
+  taken.look.kind = "search";
+  taken.look.head = kSearch[searched_];
+  taken.look.feasible = true;
+  taken.look.chosen = true;
+  taken.look.reason = "no support plane in view yet";
+  taken.candidates = {taken.look};
+  return taken;
+}
+
+std::optional<TakenLook> Mission::Choose(const Question& question) {
+  const auto settled = [&] {
+    if (question.spent.empty()) {
+      End(Progress::kSettled, "everything is settled");
+    } else {
+      End(Progress::kBudgetSpent, fmt::format("still open after {} looks each: {} of the things",
+                                              config_.looks.per_object, question.spent.size()));
+    }
+    return std::nullopt;
+  };
+  if (question.Empty()) return settled();
+  if (const std::string spent = BudgetSpent(); !spent.empty()) {
+    End(Progress::kBudgetSpent, spent);
+    return std::nullopt;
+  }
+  TakenLook best = ScoreLooks(question);
+  if (best.look.chosen) return best;
+  record_.looks.push_back(best);
+  if (question.open.empty()) return settled();  // nowhere to see hidden space from
+  End(Progress::kNoLook, "no look is possible: " + best.look.reason);
+  return std::nullopt;
+}
+
+/// The candidates for all that is open, scored; `look` is the best, chosen or not.
+TakenLook Mission::ScoreLooks(const Question& question) {
+  Charge(config_.looks.plan_seconds);
+  const hal::BaseInfo& base = robot_->base->info();
+  const std::vector<world::SupportPlane> supports_W{*belief().plane_W};
+  Vector3d center_W = Vector3d::Zero();
+  for (const Vector3d& corner : belief().plane_W->corners_A) center_W += corner / 4.0;
+  planning::CostMap map(scene_.space(), supports_W, base, center_W.head<2>(),
+                        config_.looks.cost_map);
+  for (const Vector2d& p : blocked_W_) map.Block(p, config_.looks.blocked_radius_m);
+  const planning::CollisionChecker collision(scene_.space(), supports_W, base,
+                                             config_.looks.cost_map);
+  const planning::Routes routes(map, robot_->base->State().X_WB, base);
+  const planning::Reach reach{collision, routes, robot_->head->State().angles};
+  const planning::CameraCarrier carrier{base, robot_->head->info(), calibration_,
+                                        robot_->head_camera->info()};
+
+  std::vector<planning::AspectTarget> targets;
+  for (const ObjectBelief* object : question.open) targets.push_back(TargetFor(*object));
+  for (const Eigen::AlignedBox3d& box_W : question.hidden_W) targets.push_back(TargetFor(box_W));
+
+  TakenLook taken;
+  for (const planning::AspectTarget& target : targets) {
+    planning::AspectGraph graph =
+        planning::ScoreAspectGraph(scene_.space(), carrier.camera.model, target,
+                                   planning::CandidateViews(target.box_W.center(), target.id,
+                                                            carrier, reach, config_.looks.views),
+                                   &rng_, config_.looks.aspect_graph);
+    for (world::Look& look : graph.looks) {
+      look.kind = target.id < 0 ? "hidden_space" : "aspect_graph";
+      for (const Vector2d& p : blocked_W_) {
+        if (!look.path_W.empty() && (Vector2d(look.X_WB.x, look.X_WB.y) - p).norm() < 0.05) {
+          look.feasible = false;
+        }
+      }
+      taken.candidates.push_back(std::move(look));
+    }
+  }
+  const planning::LookChoice choice = planning::ChooseLook(&taken.candidates);
+  if (choice.index) {
+    taken.look = taken.candidates[*choice.index];
+  } else {
+    taken.look.kind = "none";
+    taken.look.reason = choice.reason;
+  }
+  return taken;
+}
+
+planning::AspectTarget Mission::TargetFor(const ObjectBelief& object) const {
+  planning::AspectTarget target;
+  target.id = object.id;
+  target.box_W = object.extent_W;
+  const world::PoseHypothesis* best = object.Best();
+  for (const world::PoseHypothesis& h : object.hypotheses) {
+    if (best == nullptr || best->support < kMinSupport) break;
+    if (h.struck || h.support < kMinSupportShare * best->support) continue;
+    if (target.hypotheses.size() == kMaxHypotheses) break;
+    const auto& models = scene_.models();
+    const auto model = std::find_if(models.begin(), models.end(),
+                                    [&](const auto& m) { return m.name == h.model; });
+    target.hypotheses.push_back({&model->mesh, &ray_casters_.at(h.model), h.X_WM, h.support});
+    ExtendByModel(model->mesh, h.X_WM, &target.box_W);
+  }
+  for (const world::Sighting& sighting : object.sightings) {
+    const Pose& X_WC = belief().views[sighting.view].X_WC;
+    target.seen_from_W.push_back((X_WC.translation() - object.extent_W.center()).normalized());
+  }
+  return target;
+}
+
+planning::AspectTarget Mission::TargetFor(const Eigen::AlignedBox3d& hidden_W) const {
+  planning::AspectTarget target;
+  target.box_W = hidden_W;
+  target.worth = config_.looks.hidden_worth;
+  for (const world::Observation& view : belief().views) {
+    target.seen_from_W.push_back((view.X_WC.translation() - hidden_W.center()).normalized());
+  }
+  return target;
+}
+
+Progress Mission::Act(TakenLook taken) {
+  const world::Look& look = taken.look;
+  spdlog::info("look {} ({}): {}", record_.looks.size() + 1, look.kind, look.reason);
+  if (look.kind == "search") ++searched_;
+  if (look.kind == "hidden_space") ++explored_;
+  if (look.target >= 0) scene_.CountLook(look.target);
+  const Time begin = robot_->clock->Now();
+  const DriveOutcome outcome = MoveTo(look, stop_, robot_, &capturer_);
+  record_.motion_seconds += SecondsSince(begin);
+  record_.metres += outcome.metres;
+  taken.outcome = outcome.kind == DriveOutcome::Kind::kReached ? "reached" : outcome.reason;
+  if (outcome.kind == DriveOutcome::Kind::kFailed) {
+    spdlog::warn("look {}: {}", record_.looks.size() + 1, outcome.reason);
+    // Something stands there that the map does not show: right ahead of where the base stopped.
+    const Pose2 X_WB = robot_->base->State().X_WB;
+    const double ahead = robot_->base->info().radius + config_.looks.blocked_radius_m;
+    blocked_W_.emplace_back(X_WB.x + ahead * std::cos(X_WB.yaw),
+                            X_WB.y + ahead * std::sin(X_WB.yaw));
+  }
+  record_.looks.push_back(std::move(taken));
+  record_.total_seconds = SecondsSince(start_);
+  if (outcome.kind == DriveOutcome::Kind::kStopped) {
+    End(Progress::kStopped, "stopped on request");
+  }
+  return progress_;
+}
+
+void Mission::End(Progress progress, std::string why) {
+  robot_->Stop();
+  progress_ = progress;
+  record_.total_seconds = SecondsSince(start_);
+  record_.end = std::move(why);
+  spdlog::info("the mission ends: {}", record_.end);
+}
+
+void Mission::Charge(double seconds) {
+  robot_->clock->ChargeThinking(Seconds(seconds));
+  record_.compute_seconds += seconds;
+}
+
+double Mission::SecondsSince(Time start) const { return ToSeconds(robot_->clock->Now() - start); }
+
+/// Which part of the budget is spent; empty when none is.
+std::string Mission::BudgetSpent() const {
+  const world::Budget& budget = task_.budget;
+  const int looks = static_cast<int>(
+      std::count_if(record_.looks.begin(), record_.looks.end(),
+                    [](const TakenLook& taken) { return taken.look.kind != "search"; }));
+  if (looks >= budget.looks) return fmt::format("the budget of {} looks is spent", budget.looks);
+  if (budget.seconds > 0.0 && SecondsSince(start_) >= budget.seconds) {
+    return fmt::format("the budget of {} s is spent", budget.seconds);
+  }
+  if (budget.metres > 0.0 && record_.metres >= budget.metres) {
+    return fmt::format("the budget of {} m is spent", budget.metres);
+  }
+  return "";
+}
+
+}  // namespace secondlook::apps

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "apps/capture.h"
+#include "apps/drive.h"
+#include "apps/mission_config.h"
+#include "apps/scene_understanding.h"
+#include "lib/common/rng.h"
+#include "lib/geometry/ray_caster.h"
+#include "lib/hal/robot.h"
+#include "lib/kinematics/head.h"
+#include "lib/perception/recognition_model.h"
+#include "lib/world/look.h"
+#include "lib/world/object_database.h"
+#include "lib/world/scene_belief.h"
+#include "lib/world/task.h"
+#include "lib/world/voxel_space.h"
+
+namespace secondlook::apps {
+
+/// How a step of the mission ended.
+enum class Progress {
+  kMore,         ///< Step on.
+  kSettled,      ///< Nothing is open.
+  kBudgetSpent,  ///< Something is open, but looks, seconds or metres are spent.
+  kNoLook,       ///< Something is open, but no look can help.
+  kStopped,      ///< Asked to stop; the robot stands still.
+};
+
+/// One look as it was taken.
+struct TakenLook {
+  world::Look look;
+  std::vector<world::Look> candidates;  ///< All it was chosen from, itself included.
+  std::string outcome;                  ///< "reached", or why not.
+};
+
+/// What a mission has done so far.
+struct MissionRecord {
+  std::vector<TakenLook> looks;
+  double compute_seconds{};  ///< Robot time charged for thinking.
+  double motion_seconds{};   ///< Robot time spent moving.
+  double total_seconds{};    ///< Robot time since the start.
+  double metres{};           ///< Driven, by localisation.
+  std::string end;           ///< Why it ended, in words; empty while it runs.
+};
+
+/// The cycle (DESIGN.md): grab, observe, match and fuse, ask what is open, choose a look, take it.
+/// All its knowledge comes through the robot's devices.
+class Mission {
+ public:
+  /// `database` and `robot` must outlive this. `stop` is asked often, from the mission's thread.
+  /// @throws ConfigError when `config` holds a value that is not valid.
+  Mission(const MissionConfig& config, const world::Task& task,
+          const world::ObjectDatabase& database, const kinematics::HeadCalibration& calibration,
+          std::uint64_t seed, StopRequest stop, hal::Robot* robot);
+
+  /// One turn of the cycle. Not to be called again once it has returned anything but kMore.
+  /// @throws DeviceError when a device is lost.
+  Progress Step();
+
+  /// The first half of a turn: looks, understands and says which look to take next; nothing moves.
+  /// Empty when the mission ends here.
+  /// @throws DeviceError when a device is lost.
+  std::optional<TakenLook> Plan();
+
+  const world::SceneBelief& belief() const { return scene_.belief(); }
+  const MissionRecord& record() const { return record_; }
+
+ private:
+  /// What the next look is to answer.
+  struct Question {
+    std::vector<const world::ObjectBelief*> open;   ///< That may have another look.
+    std::vector<const world::ObjectBelief*> spent;  ///< Open, but had all the looks it may have.
+    std::vector<Eigen::AlignedBox3d> hidden_W;      ///< Where something could stand unseen.
+
+    bool Empty() const { return open.empty() && hidden_W.empty(); }
+  };
+
+  std::optional<Capture> Grab();
+  void Understand(const Capture& capture);
+  TakenLook ScoreLooks(const Question& question);
+  Question WhatIsOpen() const;
+  std::optional<TakenLook> SearchForTable();
+  std::optional<TakenLook> Choose(const Question& question);
+  planning::AspectTarget TargetFor(const world::ObjectBelief& object) const;
+  planning::AspectTarget TargetFor(const Eigen::AlignedBox3d& hidden_W) const;
+  Progress Act(TakenLook look);
+  void End(Progress progress, std::string why);
+  void Charge(double seconds);
+  double SecondsSince(Time start) const;
+  std::string BudgetSpent() const;
+
+  MissionConfig config_;
+  world::Task task_;
+  hal::Robot* robot_;
+  kinematics::HeadCalibration calibration_;
+  StopRequest stop_;
+  Rng rng_;
+  Capturer capturer_;
+  SceneUnderstanding scene_;
+  std::map<std::string, geometry::RayCaster> ray_casters_;  // by name of the model
+  std::vector<Eigen::Vector2d> blocked_W_;                  // where the base was stopped
+  std::map<int, std::string> told_;                         // last logged reason, by object
+  int searched_{};                                          // head poses tried in vain
+  int explored_{};                                          // looks at hidden space
+  Time start_;
+  Progress progress_{Progress::kMore};
+  MissionRecord record_;
+};
+
+}  // namespace secondlook::apps

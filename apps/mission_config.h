@@ -1,0 +1,89 @@
+#pragma once
+
+#include "lib/fusion/conclude.h"
+#include "lib/perception/recognise.h"
+#include "lib/perception/register_view.h"
+#include "lib/perception/segment.h"
+#include "lib/planning/aspect_graph.h"
+#include "lib/planning/cost_map.h"
+#include "lib/planning/hidden_space.h"
+#include "lib/planning/views.h"
+#include "lib/world/voxel_space.h"
+
+namespace secondlook::apps {
+
+/// How a view is understood: what SceneUnderstanding needs.
+struct UnderstandingConfig {
+  perception::SegmentConfig segment;
+  perception::RegisterConfig registration;
+  perception::RecogniseConfig recognise;
+  fusion::ConcludeConfig conclude;
+  world::VoxelSpaceConfig voxel_space;
+  int depth_stride = 4;            ///< Every so many pixels of a row and column enter the voxels.
+  double floor_clearance_m = 0.3;  ///< Support planes are higher above the floor than this.
+  double footprint_cell_m = 0.01;  ///< Of the footprints by which views are matched.
+  double footprint_overlap = 0.3;  ///< From which two footprints are one thing.
+  int min_leftover_points = 400;   ///< What known things leave of a cluster is something else.
+  int clear_view_points = 300;     ///< A thing seen with fewer was not seen clearly.
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("segment", &segment);
+    a->Visit("registration", &registration);
+    a->Visit("recognise", &recognise);
+    a->Visit("conclude", &conclude);
+    a->Visit("voxel_space", &voxel_space);
+    a->Visit("depth_stride", &depth_stride);
+    a->Visit("floor_clearance_m", &floor_clearance_m);
+    a->Visit("footprint_cell_m", &footprint_cell_m);
+    a->Visit("footprint_overlap", &footprint_overlap);
+    a->Visit("min_leftover_points", &min_leftover_points);
+    a->Visit("clear_view_points", &clear_view_points);
+  }
+};
+
+/// How looks are planned and taken: what Mission needs beside.
+struct LookConfig {
+  planning::CostMapConfig cost_map;
+  planning::ViewsConfig views;
+  planning::AspectGraphConfig aspect_graph;
+  planning::HiddenSpaceConfig hidden_space;
+  int per_object = 4;               ///< After so many for its sake an object is left open.
+  int at_hidden_space = 2;          ///< Looks where something could stand unseen.
+  double hidden_worth = 0.3;        ///< Of such a look, against 1 for settling an object.
+  double frame_timeout_s = 1.0;     ///< Waited for a frame …
+  int frame_tries = 3;              ///< … so many times before the camera counts as lost.
+  double blocked_radius_m = 0.25;   ///< Entered where the base was stopped by something unseen.
+  double understand_seconds = 1.0;  ///< What understanding a frame is charged in simulation.
+  double plan_seconds = 0.5;        ///< What choosing a look is charged in simulation.
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("cost_map", &cost_map);
+    a->Visit("views", &views);
+    a->Visit("aspect_graph", &aspect_graph);
+    a->Visit("hidden_space", &hidden_space);
+    a->Visit("per_object", &per_object);
+    a->Visit("at_hidden_space", &at_hidden_space);
+    a->Visit("hidden_worth", &hidden_worth);
+    a->Visit("frame_timeout_s", &frame_timeout_s);
+    a->Visit("frame_tries", &frame_tries);
+    a->Visit("blocked_radius_m", &blocked_radius_m);
+    a->Visit("understand_seconds", &understand_seconds);
+    a->Visit("plan_seconds", &plan_seconds);
+  }
+};
+
+/// How a mission goes about it.
+struct MissionConfig {
+  UnderstandingConfig understanding;
+  LookConfig looks;
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("understanding", &understanding);
+    a->Visit("looks", &looks);
+  }
+};
+
+}  // namespace secondlook::apps

@@ -1,0 +1,55 @@
+#include "apps/report.h"
+
+#include <vector>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "apps/json_output.h"
+#include "apps/mission_json.h"
+#include "apps/view_picture.h"
+#include "lib/common/files.h"
+#include "lib/common/yaml_reader.h"
+#include "lib/fusion/dempster_shafer.h"
+
+namespace secondlook::apps {
+
+void WriteReport(const RunConfig& config, const Mission& mission,
+                 const std::filesystem::path& folder) {
+  WriteJson(ToJson(mission.belief(), mission.record(), config.seed),
+            (folder / "mission.json").string());
+  WriteFile(folder / "config.yaml", ToYaml(config));
+  for (int i = 0; i < static_cast<int>(mission.belief().views.size()); ++i) {
+    cv::Mat bgr;
+    cv::cvtColor(DrawView(mission.belief(), i), bgr, cv::COLOR_RGB2BGR);
+    std::vector<unsigned char> png;
+    cv::imencode(".png", bgr, png);
+    WriteFile(folder / fmt::format("view_{}.png", i),
+              {reinterpret_cast<const char*>(png.data()), png.size()});
+  }
+}
+
+void PrintSummary(const Mission& mission, double processor_seconds) {
+  fmt::print("\n{:>3}  {:10} {:16} {:>6}  {:>5}  {:24}  {}\n", "id", "state", "class", "belief",
+             "views", "position in W [m]", "why");
+  for (const world::ObjectBelief& object : mission.belief().objects) {
+    if (object.state == world::ObjectState::kRejected) continue;
+    const world::PoseHypothesis* best = object.Best();
+    const bool unknown = object.state == world::ObjectState::kUnknown || best == nullptr;
+    const double belief = unknown ? fusion::NormalisedIgnorance(object.masses)
+                                  : fusion::NormalisedBelief(object.masses, best->model);
+    const Eigen::Vector3d p = object.extent_W.center();
+    fmt::print("{:3}  {:10} {:16} {:6.3f}  {:5}  ({:6.3f}, {:6.3f}, {:5.3f})  {}\n", object.id,
+               ToString(object.state), unknown ? "-" : best->model, belief, object.sightings.size(),
+               p.x(), p.y(), p.z(), object.reason);
+  }
+  const MissionRecord& record = mission.record();
+  fmt::print(
+      "\n{} looks, {:.1f} m, {:.0f} s of robot time ({:.0f} s moving, {:.0f} s thinking); {:.1f} s "
+      "of processor time\n{}\n",
+      record.looks.size(), record.metres, record.total_seconds, record.motion_seconds,
+      record.compute_seconds, processor_seconds, record.end);
+}
+
+}  // namespace secondlook::apps

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "apps/mission_config.h"
+#include "lib/common/error.h"
+#include "lib/world/task.h"
+#include "sim/sim_robot.h"
+
+namespace secondlook::apps {
+
+/// The robot's backend, chosen by its tag: `robot: !Sim {scene: …}`.
+using RobotConfig = std::variant<sim::SimConfig>;
+
+/// The configuration of `secondlook run` and `check`.
+struct RunConfig {
+  RobotConfig robot;
+  std::string models;  ///< Folder of the object database.
+  world::Task task;
+  MissionConfig mission;
+  std::uint64_t seed = 1;  ///< Of everything that is drawn: same seed, same mission.
+  int threads = 2;         ///< At most; the mission is the same for any number.
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("robot", &robot);
+    a->Visit("models", &models);
+    a->Visit("task", &task);
+    a->Visit("mission", &mission);
+    a->Visit("seed", &seed);
+    a->Visit("threads", &threads);
+  }
+
+  void Validate() const {
+    if (threads < 1) Throw<ConfigError>("'threads' = {}; it must be at least 1", threads);
+  }
+};
+
+/// Reads `file` over the defaults and each `KEY=VALUE` of `overrides` over that. Relative paths in
+/// the file are relative to the file's folder, those in an override to the working folder.
+/// @throws ConfigError with the place of what is wrong.
+RunConfig LoadRunConfig(const std::filesystem::path& file,
+                        const std::vector<std::string>& overrides);
+
+}  // namespace secondlook::apps

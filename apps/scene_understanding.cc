@@ -1,0 +1,423 @@
+#include "apps/scene_understanding.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "lib/fusion/match.h"
+#include "lib/fusion/pose_fusion.h"
+#include "lib/geometry/point_image.h"
+#include "lib/perception/explain.h"
+#include "lib/perception/refine.h"
+#include "lib/perception/verify.h"
+
+namespace secondlook::apps {
+namespace {
+
+using Eigen::Vector3d;
+using world::ObjectBelief;
+using world::ObjectState;
+using world::PoseHypothesis;
+
+/// Two hypotheses of one model nearer than this are one: the next view's refinement bridges it.
+constexpr double kSamePose_m = 0.03;
+constexpr double kSamePose_rad = 0.26;
+/// Two that come nearer than this are one for good.
+constexpr double kOnePose_m = 0.01;
+constexpr double kOnePose_rad = 0.087;
+/// Refinement that moves a carried hypothesis farther has found another pose.
+constexpr double kMaxRefinement_m = 0.03;
+constexpr double kMaxRefinement_rad = 0.17;
+constexpr int kRefineRounds = 4;
+/// How well views are registered to each other: what a single view's pose is worth in the map.
+constexpr double kViewSigma_m = 0.004;
+constexpr double kViewSigma_rad = 0.006;
+/// How well the surface of a verified model is known in the map.
+constexpr double kModelSigma_m = 0.003;
+/// Directions nearer than this show the same side of a thing.
+constexpr double kSameSide_rad = 0.5;
+constexpr double kPointSpacing_m = 0.005;
+
+std::vector<Vector3d> InWorld(const Pose& X_WC, const std::vector<Vector3d>& points_C) {
+  std::vector<Vector3d> points_W;
+  points_W.reserve(points_C.size());
+  for (const Vector3d& p : points_C) points_W.push_back(X_WC * p);
+  return points_W;
+}
+
+/// `points` and `more`, with one point kept for each cell of a grid of `spacing`; the first stays.
+std::vector<Vector3d> Thinned(std::vector<Vector3d> points, const std::vector<Vector3d>& more,
+                              double spacing) {
+  points.insert(points.end(), more.begin(), more.end());
+  std::vector<std::pair<std::array<int, 3>, int>> cells;
+  for (int i = 0; i < static_cast<int>(points.size()); ++i) {
+    const Eigen::Vector3i c = (points[i] / spacing).array().floor().cast<int>();
+    cells.push_back({{c.x(), c.y(), c.z()}, i});
+  }
+  std::sort(cells.begin(), cells.end());
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i == 0 || cells[i].first != cells[i - 1].first) kept.push_back(cells[i].second);
+  }
+  std::sort(kept.begin(), kept.end());
+  std::vector<Vector3d> thinned;
+  for (const int i : kept) thinned.push_back(points[i]);
+  return thinned;
+}
+
+std::vector<int> UnionOfPixels(const std::vector<int>& a, const std::vector<int>& b) {
+  std::vector<int> all = a;
+  all.insert(all.end(), b.begin(), b.end());
+  return all;
+}
+
+}  // namespace
+
+SceneUnderstanding::SceneUnderstanding(const UnderstandingConfig& config, const world::Task& task,
+                                       const world::ObjectDatabase& database)
+    : config_(config),
+      task_(task),
+      models_(perception::TrainModels(database)),
+      space_(config.voxel_space) {}
+
+std::string SceneUnderstanding::Add(const Capture& capture) {
+  const hal::RgbdFrame& frame = capture.frame;
+  const geometry::PointImage cloud = geometry::Deproject(frame.depth, capture.camera);
+  const Vector3d up_C = capture.X_WC.linear().transpose() * Vector3d::UnitZ();
+  const double max_drop = capture.X_WC.translation().z() - config_.floor_clearance_m;
+  perception::Segmentation cut = perception::Segment(cloud, up_C, config_.segment, max_drop);
+  if (!cut.plane_C) return cut.reason;
+
+  const std::vector<perception::SurfacePoint> points_C =
+      perception::ViewPoints(frame.depth, capture.camera, *cut.plane_C, config_.registration);
+  const perception::ViewRegistration registration = Register(points_C, capture);
+  if (!registration.accepted) return registration.reason;
+  const Pose& X_WC = registration.X_WC;
+
+  const int view = static_cast<int>(belief_.views.size());
+  Matched matched = MatchClusters(std::move(cut.clusters), frame.depth, capture.camera, X_WC);
+  views_.push_back(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C,
+                                        matched.clusters));
+  belief_.views.push_back(
+      {frame, capture.camera, X_WC, *cut.plane_C,
+       perception::Recognise(views_.back(), matched.clusters, models_, config_.recognise)});
+  GrowPlane(cut.plane_points_C, *cut.plane_C, X_WC);
+  reference_.AddView(points_C, X_WC, registration.covariance);
+  for (int i = 0; i < static_cast<int>(matched.objects.size()); ++i) {
+    ObjectBelief& object = belief_.objects[matched.objects[i]];
+    AddSighting(view, i, &object);
+    AddFreshHypotheses(view, belief_.views.back().detections[i], &object);
+    CompleteEvidence(&object);
+    Conclude(&object);
+  }
+  MergeDuplicates();
+  AddToMap(frame, X_WC);
+  return "";
+}
+
+/// Two objects that are believed to be one model at one place are its two ends: something in front
+/// cut it in two, and each end was recognised by itself.
+void SceneUnderstanding::MergeDuplicates() {
+  const auto standing = [](const ObjectBelief& object) {
+    return object.state != ObjectState::kRejected && object.Best() != nullptr &&
+           object.Best()->support > 0.5;
+  };
+  for (ObjectBelief& a : belief_.objects) {
+    for (ObjectBelief& b : belief_.objects) {
+      if (b.id <= a.id || !standing(a) || !standing(b)) continue;
+      const PoseHypothesis& one = *a.Best();
+      const PoseHypothesis& other = *b.Best();
+      if (one.model != other.model) continue;
+      const perception::RecognitionModel& model = ModelOf(one.model);
+      const double distance = (one.X_WM * model.center_M - other.X_WM * model.center_M).norm();
+      if (distance > kSamePose_m) continue;
+      MergedObject({a.id, b.id});
+      CompleteEvidence(&a);
+      Conclude(&a);
+    }
+  }
+}
+
+/// The first view defines the map; the others are registered to it.
+perception::ViewRegistration SceneUnderstanding::Register(
+    const std::vector<perception::SurfacePoint>& points_C, const Capture& capture) const {
+  if (reference_.empty()) {
+    perception::ViewRegistration first;
+    first.X_WC = capture.X_WC;
+    first.accepted = true;
+    return first;
+  }
+  const perception::PoseCovariance covariance =
+      perception::NominalCovariance(config_.registration, capture.p_CB_W);
+  return perception::RegisterView(points_C, reference_, capture.X_WC, covariance,
+                                  config_.registration);
+}
+
+void SceneUnderstanding::GrowPlane(const std::vector<Vector3d>& plane_points_C,
+                                   const world::SupportPlane& plane_C, const Pose& X_WC) {
+  if (!belief_.plane_W) belief_.plane_W = world::Transform(X_WC, plane_C);
+  plane_points_W_ = Thinned(std::move(plane_points_W_), InWorld(X_WC, plane_points_C), 0.02);
+  belief_.plane_W->corners_A =
+      perception::FitRectangle(plane_points_W_, belief_.plane_W->normal_A, belief_.plane_W->offset);
+  belief_.plane_W->inliers = static_cast<int>(plane_points_W_.size());
+}
+
+SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world::Cluster> clusters,
+                                                              const cv::Mat& depth,
+                                                              const hal::CameraModel& camera,
+                                                              const Pose& X_WC) {
+  Matched matched;
+  std::vector<world::Cluster> explained;
+  std::vector<int> explained_by;  // ids
+  std::vector<int> open;          // ids of the objects that the other clusters are matched with
+  for (const ObjectBelief& object : belief_.objects) {
+    if (object.state == ObjectState::kRejected) continue;
+    if (object.state != ObjectState::kVerified) {
+      open.push_back(object.id);
+      continue;
+    }
+    // What is known stands there as its whole model, and takes what that explains.
+    const PoseHypothesis& known = *object.Best();
+    world::Cluster cluster =
+        perception::TakeExplained(ModelOf(known.model).mesh, X_WC.inverse() * known.X_WM, depth,
+                                  camera, config_.min_leftover_points, &clusters);
+    if (static_cast<int>(cluster.pixels.size()) < config_.segment.min_cluster_points) continue;
+    explained.push_back(std::move(cluster));
+    explained_by.push_back(object.id);
+  }
+
+  std::vector<fusion::Footprint> detections;
+  for (const world::Cluster& cluster : clusters) {
+    detections.emplace_back(InWorld(X_WC, cluster.points_C), config_.footprint_cell_m);
+  }
+  std::vector<fusion::Footprint> objects;
+  for (const int id : open) {
+    objects.emplace_back(belief_.objects[id].points_W, config_.footprint_cell_m);
+  }
+  for (const fusion::Match& match :
+       fusion::MatchByFootprint(detections, objects, config_.footprint_overlap)) {
+    if (match.detections.empty()) continue;  // not seen this time
+    std::vector<int> pixels;
+    for (const int d : match.detections) pixels = UnionOfPixels(pixels, clusters[d].pixels);
+    std::vector<int> ids;
+    for (const int o : match.objects) ids.push_back(open[o]);
+    matched.clusters.push_back(perception::MakeCluster(std::move(pixels), depth, camera));
+    matched.objects.push_back(MergedObject(ids));
+  }
+  matched.open = static_cast<int>(matched.clusters.size());
+  std::move(explained.begin(), explained.end(), std::back_inserter(matched.clusters));
+  matched.objects.insert(matched.objects.end(), explained_by.begin(), explained_by.end());
+  return matched;
+}
+
+/// The detections of the newest view: what is verified is not recognised anew, only asked whether
+/// it still holds (CompleteEvidence).
+std::vector<world::Detection> SceneUnderstanding::Recognise(const Matched& matched) const {
+  const auto first_explained = matched.clusters.begin() + matched.open;
+  std::vector<world::Detection> detections = perception::Recognise(
+      views_.back(), {matched.clusters.begin(), first_explained}, models_, config_.recognise);
+  for (auto cluster = first_explained; cluster != matched.clusters.end(); ++cluster) {
+    detections.push_back({*cluster, {}, ""});
+  }
+  return detections;
+}
+
+/// The object that all of `ids` are; a new one when there are none.
+int SceneUnderstanding::MergedObject(const std::vector<int>& ids) {
+  if (ids.empty()) {
+    belief_.objects.emplace_back();
+    belief_.objects.back().id = static_cast<int>(belief_.objects.size()) - 1;
+    return belief_.objects.back().id;
+  }
+  ObjectBelief& whole = belief_.objects[ids.front()];
+  for (std::size_t i = 1; i < ids.size(); ++i) {
+    ObjectBelief& part = belief_.objects[ids[i]];
+    for (const world::Sighting& sighting : part.sightings) {
+      const auto same_view =
+          std::find_if(whole.sightings.begin(), whole.sightings.end(),
+                       [&](const world::Sighting& s) { return s.view == sighting.view; });
+      if (same_view == whole.sightings.end()) {
+        whole.sightings.push_back(sighting);
+        continue;
+      }
+      // Two pieces in one view: one cluster from now on, and what was said of the pieces is void.
+      perception::View& view = views_[sighting.view];
+      world::Observation& observation = belief_.views[sighting.view];
+      world::Cluster& piece = observation.detections[sighting.detection].cluster;
+      world::Cluster& kept = observation.detections[same_view->detection].cluster;
+      for (const int pixel : piece.pixels) {
+        view.labels.at<int>(pixel / view.camera.width, pixel % view.camera.width) =
+            same_view->detection;
+      }
+      kept = perception::MakeCluster(UnionOfPixels(kept.pixels, piece.pixels),
+                                     observation.frame.depth, observation.camera);
+      piece = {};
+      for (PoseHypothesis& h : whole.hypotheses) {
+        std::erase_if(h.evidence, [&](const auto& e) { return e.view == sighting.view; });
+      }
+    }
+    std::sort(whole.sightings.begin(), whole.sightings.end(),
+              [](const auto& a, const auto& b) { return a.view < b.view; });
+    whole.points_W = Thinned(std::move(whole.points_W), part.points_W, kPointSpacing_m);
+    whole.looks_taken += part.looks_taken;
+    const int id = part.id;
+    part = {};
+    part.id = id;
+    part.state = ObjectState::kRejected;
+    part.reason = fmt::format("is a part of object {}", whole.id);
+  }
+  return whole.id;
+}
+
+void SceneUnderstanding::AddSighting(int view, int detection, ObjectBelief* object) {
+  const world::Observation& observation = belief_.views[view];
+  object->sightings.push_back({view, detection});
+  object->points_W =
+      Thinned(std::move(object->points_W),
+              InWorld(observation.X_WC, observation.detections[detection].cluster.points_C),
+              kPointSpacing_m);
+  object->extent_W.setEmpty();
+  for (const Vector3d& p : object->points_W) object->extent_W.extend(p);
+}
+
+void SceneUnderstanding::AddFreshHypotheses(int view, const world::Detection& detection,
+                                            ObjectBelief* object) const {
+  const Pose& X_WC = belief_.views[view].X_WC;
+  for (const world::Hypothesis& fresh : detection.hypotheses) {
+    const perception::RecognitionModel& model = ModelOf(fresh.model);
+    const Pose X_WM = X_WC * fresh.X_CM;
+    const bool known = std::any_of(
+        object->hypotheses.begin(), object->hypotheses.end(), [&](const PoseHypothesis& h) {
+          if (h.model != fresh.model) return false;
+          const perception::PoseDistance distance =
+              perception::DistanceUpToSymmetry(h.X_WM, X_WM, model.symmetry, model.center_M, true);
+          return distance.translation < kSamePose_m && distance.rotation < kSamePose_rad;
+        });
+    if (known) continue;
+    PoseHypothesis hypothesis;
+    hypothesis.model = fresh.model;
+    hypothesis.X_WM = X_WM;
+    hypothesis.evidence.push_back({view, fresh});
+    object->hypotheses.push_back(std::move(hypothesis));
+  }
+}
+
+/// Asks every view that shows the object about every hypothesis that it was not asked about yet.
+void SceneUnderstanding::CompleteEvidence(ObjectBelief* object) {
+  for (PoseHypothesis& h : object->hypotheses) {
+    if (h.struck) continue;
+    const perception::RecognitionModel& model = ModelOf(h.model);
+    for (const world::Sighting& sighting : object->sightings) {
+      const bool asked = std::any_of(h.evidence.begin(), h.evidence.end(),
+                                     [&](const auto& e) { return e.view == sighting.view; });
+      if (asked) continue;
+      const perception::View& view = views_[sighting.view];
+      const world::Observation& observation = belief_.views[sighting.view];
+      const Pose X_CM = observation.X_WC.inverse() * h.X_WM;
+      Pose refined = perception::RefinePose(model, X_CM, view, sighting.detection, kRefineRounds,
+                                            &rasteriser_);
+      const double moved = (refined * model.center_M - X_CM * model.center_M).norm();
+      if (moved > kMaxRefinement_m ||
+          RotationDistance(refined.linear(), X_CM.linear()) > kMaxRefinement_rad) {
+        refined = X_CM;
+      }
+      world::ViewEvidence evidence{sighting.view, {h.model, refined, 0.0, {}}};
+      evidence.hypothesis.verification = perception::Verify(
+          model, refined, view, sighting.detection,
+          perception::InnerPixels(view, sighting.detection,
+                                  observation.detections[sighting.detection].cluster),
+          config_.recognise.verify, &rasteriser_, &evidence.hypothesis.score);
+      h.evidence.push_back(std::move(evidence));
+    }
+    std::sort(h.evidence.begin(), h.evidence.end(),
+              [](const auto& a, const auto& b) { return a.view < b.view; });
+    FusePose(&h);
+  }
+  DropConverged(object);
+}
+
+/// Drops hypotheses that the views' refinements have brought to where a better one is.
+void SceneUnderstanding::DropConverged(ObjectBelief* object) const {
+  std::vector<PoseHypothesis> kept;
+  for (PoseHypothesis& h : object->hypotheses) {
+    const perception::RecognitionModel& model = ModelOf(h.model);
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const PoseHypothesis& other) {
+      if (other.model != h.model) return false;
+      const perception::PoseDistance d = perception::DistanceUpToSymmetry(
+          other.X_WM, h.X_WM, model.symmetry, model.center_M, true);
+      return d.translation < kOnePose_m && d.rotation < kOnePose_rad;
+    });
+    if (same == kept.end()) {
+      kept.push_back(std::move(h));
+    } else if (fusion::Lead(config_.conclude, h, *same) > 0.0) {
+      *same = std::move(h);
+    }
+  }
+  object->hypotheses = std::move(kept);
+}
+
+/// The pose over all views: each counts by how well and how much of the model it shows.
+void SceneUnderstanding::FusePose(PoseHypothesis* h) const {
+  std::vector<fusion::PoseEstimate> estimates;
+  for (const world::ViewEvidence& e : h->evidence) {
+    const double weight =
+        std::max(1e-3, e.hypothesis.score * e.hypothesis.verification.visible_fraction);
+    fusion::PoseEstimate estimate;
+    estimate.X_WM = belief_.views[e.view].X_WC * e.hypothesis.X_CM;
+    estimate.information.topLeftCorner<3, 3>() *= weight / (kViewSigma_rad * kViewSigma_rad);
+    estimate.information.bottomRightCorner<3, 3>() *= weight / (kViewSigma_m * kViewSigma_m);
+    estimates.push_back(estimate);
+  }
+  const fusion::FusedPose fused = fusion::FusePoses(estimates);
+  h->X_WM = fused.X_WM;
+  h->covariance = fused.covariance;
+}
+
+/// How many sides of the object were seen clearly.
+int SceneUnderstanding::ClearViews(const ObjectBelief& object) const {
+  const Vector3d center_W = object.extent_W.center();
+  std::vector<Vector3d> directions;
+  for (const world::Sighting& sighting : object.sightings) {
+    const world::Observation& observation = belief_.views[sighting.view];
+    const world::Cluster& cluster = observation.detections[sighting.detection].cluster;
+    if (cluster.touches_border) continue;
+    if (static_cast<int>(cluster.pixels.size()) < config_.clear_view_points) continue;
+    const Vector3d direction = (observation.X_WC.translation() - center_W).normalized();
+    const bool new_side = std::none_of(
+        directions.begin(), directions.end(),
+        [&](const Vector3d& other) { return direction.dot(other) > std::cos(kSameSide_rad); });
+    if (new_side) directions.push_back(direction);
+  }
+  return static_cast<int>(directions.size());
+}
+
+void SceneUnderstanding::Conclude(ObjectBelief* object) {
+  const bool was_verified = object->state == ObjectState::kVerified;
+  fusion::Conclude(task_, config_.conclude, ClearViews(*object), object);
+  if (object->state != ObjectState::kVerified || was_verified) return;
+  const PoseHypothesis& best = *object->Best();
+  reference_.AddModel(ModelOf(best.model).mesh, best.X_WM, kModelSigma_m);
+}
+
+void SceneUnderstanding::AddToMap(const hal::RgbdFrame& frame, const Pose& X_WC) {
+  space_.Insert(frame.depth, belief_.views.back().camera, X_WC, config_.depth_stride);
+  // A verified object is known on its far side and inside as well.
+  for (const ObjectBelief& object : belief_.objects) {
+    if (object.state != ObjectState::kVerified) continue;
+    const PoseHypothesis& best = *object.Best();
+    std::vector<Vector3d> surface_W;
+    for (const perception::ModelPoint& p : ModelOf(best.model).points) {
+      surface_W.push_back(best.X_WM * p.point.cast<double>());
+    }
+    space_.MarkOccupied(surface_W);
+  }
+}
+
+const perception::RecognitionModel& SceneUnderstanding::ModelOf(const std::string& name) const {
+  return *std::find_if(models_.begin(), models_.end(),
+                       [&](const auto& model) { return model.name == name; });
+}
+
+}  // namespace secondlook::apps

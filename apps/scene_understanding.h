@@ -1,0 +1,81 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/capture.h"
+#include "apps/mission_config.h"
+#include "lib/geometry/depth_rasteriser.h"
+#include "lib/perception/recognition_model.h"
+#include "lib/perception/register_view.h"
+#include "lib/perception/view.h"
+#include "lib/world/object_database.h"
+#include "lib/world/scene_belief.h"
+#include "lib/world/task.h"
+#include "lib/world/voxel_space.h"
+
+namespace secondlook::apps {
+
+/// The half of the cycle that understands: each view is registered to the map, cut into things,
+/// matched with what is known, recognised, and fused into the belief.
+///
+/// Every hypothesis is asked of every view that shows its object, whichever view it was born in; so
+/// what is believed does not depend on the order of the views, only on which there were.
+class SceneUnderstanding {
+ public:
+  SceneUnderstanding(const UnderstandingConfig& config, const world::Task& task,
+                     const world::ObjectDatabase& database);
+
+  /// Adds a view. Returns why nothing could be learned from it (no support plane in it, it cannot
+  /// be registered), and changes nothing then; empty when it was added.
+  std::string Add(const Capture& capture);
+
+  const world::SceneBelief& belief() const { return belief_; }
+  const world::VoxelSpace& space() const { return space_; }
+  const std::vector<perception::RecognitionModel>& models() const { return models_; }
+
+  /// Notes that a look was taken for the sake of object `id`.
+  void CountLook(int id) { ++belief_.objects[id].looks_taken; }
+
+ private:
+  /// The things of a view, and which object each of them is: clusters[i] is objects[i]. Those that
+  /// are to be recognised come first, then those that a verified object explains.
+  struct Matched {
+    std::vector<world::Cluster> clusters;
+    std::vector<int> objects;  // ids
+    int open{};                // how many are to be recognised
+  };
+
+  perception::ViewRegistration Register(const std::vector<perception::SurfacePoint>& points_C,
+                                        const Capture& capture) const;
+  void GrowPlane(const std::vector<Eigen::Vector3d>& plane_points_C,
+                 const world::SupportPlane& plane_C, const Pose& X_WC);
+  Matched MatchClusters(std::vector<world::Cluster> clusters, const cv::Mat& depth,
+                        const hal::CameraModel& camera, const Pose& X_WC);
+  void MergeDuplicates();
+  std::vector<world::Detection> Recognise(const Matched& matched) const;
+  int MergedObject(const std::vector<int>& ids);
+  void AddSighting(int view, int detection, world::ObjectBelief* object);
+  void AddFreshHypotheses(int view, const world::Detection& detection,
+                          world::ObjectBelief* object) const;
+  void CompleteEvidence(world::ObjectBelief* object);
+  void DropConverged(world::ObjectBelief* object) const;
+  void FusePose(world::PoseHypothesis* hypothesis) const;
+  int ClearViews(const world::ObjectBelief& object) const;
+  void Conclude(world::ObjectBelief* object);
+  void AddToMap(const hal::RgbdFrame& frame, const Pose& X_WC);
+  const perception::RecognitionModel& ModelOf(const std::string& name) const;
+
+  UnderstandingConfig config_;
+  world::Task task_;
+  hal::CameraModel camera_;
+  std::vector<perception::RecognitionModel> models_;
+  world::VoxelSpace space_;
+  perception::ReferenceCloud reference_;
+  std::vector<Eigen::Vector3d> plane_points_W_;
+  std::vector<perception::View> views_;  // as recognition looks at belief_.views
+  world::SceneBelief belief_;
+  geometry::DepthRasteriser rasteriser_;
+};
+
+}  // namespace secondlook::apps

@@ -1,0 +1,348 @@
+#include "lib/perception/register_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "lib/common/error.h"
+#include "lib/common/rng.h"
+#include "lib/geometry/kd_tree.h"
+#include "lib/geometry/normals.h"
+#include "lib/geometry/point_image.h"
+#include "lib/geometry/point_to_plane.h"
+#include "lib/geometry/sampling.h"
+
+namespace secondlook::perception {
+namespace {
+
+using Eigen::Vector3d;
+using geometry::PointPlanePair;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+/// Neighbours tried until one has a compatible normal.
+constexpr int kNeighbours = 6;
+/// A step below these ends the iterations once the gate is narrow.
+constexpr double kSmallMove = 2e-5;  ///< [m]
+constexpr double kSmallTurn = 2e-5;  ///< [rad]
+
+Eigen::Matrix3d Cross(const Vector3d& v) {
+  Eigen::Matrix3d matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
+std::array<int, 3> CellOf(const Vector3d& p, double spacing) {
+  const Eigen::Vector3i cell = (p / spacing).array().floor().cast<int>();
+  return {cell.x(), cell.y(), cell.z()};
+}
+
+/// Variance of the distance along `normal_W` of a point at `arm_W` from the origin of a frame whose
+/// pose is known up to `covariance`.
+double VarianceAt(const PoseCovariance& covariance, const Vector3d& arm_W,
+                  const Vector3d& normal_W) {
+  Vector6 jacobian;
+  jacobian << arm_W.cross(normal_W), normal_W;
+  return std::max(0.0, jacobian.dot(covariance * jacobian));
+}
+
+/// The small error that takes `X_WA` to `X_WB`.
+Vector6 Between(const Pose& X_WA, const Pose& X_WB) {
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(X_WB.linear() * X_WA.linear().transpose()));
+  Vector6 error;
+  error << turn.angle() * turn.axis(), X_WB.translation() - X_WA.translation();
+  return error;
+}
+
+/// A map to register to, ready for queries.
+struct Target {
+  std::vector<SurfacePoint> points_W;
+  geometry::KdTree tree;
+
+  explicit Target(const ReferenceCloud& reference)
+      : points_W(reference.Points()), tree([this] {
+          std::vector<Vector3d> p;
+          for (const SurfacePoint& point : points_W) p.push_back(point.p_AP);
+          return p;
+        }()) {}
+
+  /// The nearest point within `gate` whose normal makes an angle with `normal_W` whose cosine is at
+  /// least `min_cosine`; null when there is none.
+  const SurfacePoint* Match(const Vector3d& p_W, const Vector3d& normal_W, double gate,
+                            double min_cosine) const {
+    for (const geometry::Neighbour& neighbour : tree.Nearest(p_W, kNeighbours)) {
+      if (neighbour.squared_distance > gate * gate) break;
+      const SurfacePoint& point = points_W[neighbour.index];
+      if (point.normal_A.dot(normal_W) >= min_cosine) return &point;
+    }
+    return nullptr;
+  }
+};
+
+/// The pairs at a pose, with Tukey's weights for the gate.
+std::vector<PointPlanePair> FindPairs(const std::vector<SurfacePoint>& points_C,
+                                      const Target& target, const Pose& X_WC, double gate,
+                                      double min_cosine) {
+  std::vector<PointPlanePair> pairs;
+  for (const SurfacePoint& point_C : points_C) {
+    const Vector3d p_W = X_WC * point_C.p_AP;
+    const Vector3d normal_W = X_WC.linear() * point_C.normal_A;
+    const SurfacePoint* match = target.Match(p_W, normal_W, gate, min_cosine);
+    if (match == nullptr) continue;
+    const double residual = match->normal_A.dot(match->p_AP - p_W);
+    const double tukey = 1.0 - (residual / gate) * (residual / gate);
+    if (tukey <= 0.0) continue;
+    const double variance = point_C.sigma * point_C.sigma + match->sigma * match->sigma;
+    pairs.push_back({p_W, match->p_AP, match->normal_A, tukey * tukey / variance});
+  }
+  return pairs;
+}
+
+double Rms(const std::vector<PointPlanePair>& pairs) {
+  double sum = 0.0;
+  double weights = 0.0;
+  for (const PointPlanePair& pair : pairs) {
+    const double residual = pair.normal_A.dot(pair.p_AQ - pair.p_AP);
+    sum += pair.weight * residual * residual;
+    weights += pair.weight;
+  }
+  return weights > 0.0 ? std::sqrt(sum / weights) : 0.0;
+}
+
+/// What the pairs say of the camera's pose in the directions that they hold, as the inverse of a
+/// PoseCovariance.
+PoseCovariance HeldInformation(const std::vector<PointPlanePair>& pairs,
+                               const geometry::PointPlaneStep& step, const Vector3d& p_WC,
+                               double min_constraint) {
+  double total = 0.0;
+  double spread = 0.0;
+  for (const PointPlanePair& pair : pairs) {
+    total += pair.weight;
+    spread += pair.weight * (pair.p_AP - step.centroid_A).squaredNorm();
+  }
+  if (!(spread > 0.0)) return PoseCovariance::Zero();
+  spread = std::sqrt(spread / total);
+  Vector6 scale;  // the same scaling by which SolvePointToPlane decides what is held
+  scale << Vector3d::Constant(1.0 / spread), Vector3d::Ones();
+  const Eigen::SelfAdjointEigenSolver<PoseCovariance> eigen(
+      PoseCovariance(scale.asDiagonal() * step.information * scale.asDiagonal()));
+  PoseCovariance held = PoseCovariance::Zero();
+  for (int i = 0; i < 6; ++i) {
+    if (eigen.eigenvalues()[i] < min_constraint * total) continue;
+    const Vector6 direction = eigen.eigenvectors().col(i);
+    held += eigen.eigenvalues()[i] * direction * direction.transpose();
+  }
+  const Vector6 unscale = scale.cwiseInverse();
+  held = PoseCovariance(unscale.asDiagonal() * held * unscale.asDiagonal());
+  // From a rotation about the centroid to one about the camera: t_c = t + r x (c - p).
+  PoseCovariance to_centroid = PoseCovariance::Identity();
+  to_centroid.bottomLeftCorner<3, 3>() = -Cross(step.centroid_A - p_WC);
+  return to_centroid.transpose() * held * to_centroid;
+}
+
+void CheckPose(const Pose& X, const char* name) {
+  if (!IsValid(X)) Throw<InvalidArgument>("registration: {} is not finite and rigid", name);
+}
+
+}  // namespace
+
+void RegisterConfig::Validate() const {
+  const auto check = [](double value, double low, double high, const char* name) {
+    if (!(value >= low && value <= high)) {
+      Throw<ConfigError>("{} = {} must lie in {}..{}", name, value, low, high);
+    }
+  };
+  check(base_m, 1e-4, 1.0, "base_m");
+  check(base_yaw_deg, 1e-3, 30.0, "base_yaw_deg");
+  check(extrinsics_m, 1e-4, 1.0, "extrinsics_m");
+  check(extrinsics_deg, 1e-3, 30.0, "extrinsics_deg");
+  check(plane_spacing_m, 0.001, 1.0, "plane_spacing_m");
+  check(object_spacing_m, 0.001, 1.0, "object_spacing_m");
+  check(plane_height_m, 0.0, 0.2, "plane_height_m");
+  check(max_height_m, plane_height_m, 5.0, "max_height_m");
+  check(plane_margin_m, 0.0, 1.0, "plane_margin_m");
+  check(last_gate_m, 0.001, 1.0, "last_gate_m");
+  check(first_gate_m, last_gate_m, 1.0, "first_gate_m");
+  check(max_normal_angle_deg, 1.0, 90.0, "max_normal_angle_deg");
+  check(iterations, 1, 1000, "iterations");
+  check(min_constraint, 0.0, 1.0, "min_constraint");
+  check(min_pairs, 6, 1e6, "min_pairs");
+  check(pairs_per_independent, 1.0, 1e6, "pairs_per_independent");
+  check(max_sigmas, 0.1, 100.0, "max_sigmas");
+}
+
+PoseCovariance NominalCovariance(const RegisterConfig& config, const Vector3d& p_CB_W) {
+  const double extrinsics = config.extrinsics_deg * kDegree;
+  PoseCovariance covariance = PoseCovariance::Zero();
+  covariance.diagonal() << Vector3d::Constant(extrinsics * extrinsics),
+      Vector3d::Constant(config.extrinsics_m * config.extrinsics_m);
+  covariance.block<2, 2>(3, 3) += Eigen::Matrix2d::Identity() * config.base_m * config.base_m;
+  // The heading turns the camera about the base's origin.
+  Vector6 by_yaw;
+  by_yaw << Vector3d::UnitZ(), Vector3d::UnitZ().cross(-p_CB_W);
+  const double yaw = config.base_yaw_deg * kDegree;
+  covariance += yaw * yaw * by_yaw * by_yaw.transpose();
+  return 2.0 * covariance;
+}
+
+std::vector<SurfacePoint> ViewPoints(const cv::Mat& depth, const geometry::CameraModel& camera,
+                                     const world::SupportPlane& plane_C,
+                                     const RegisterConfig& config) {
+  const geometry::PointImage image = geometry::Deproject(depth, camera);
+  std::set<std::array<int, 4>> taken;
+  std::vector<SurfacePoint> points;
+  for (int i = 0; i < image.width * image.height; ++i) {
+    const Vector3d p_CP = image.points_C[i].cast<double>();
+    if (!p_CP.allFinite()) continue;
+    const double height = plane_C.HeightOf(p_CP);
+    if (height < -config.plane_height_m || height > config.max_height_m) continue;
+    if (!plane_C.Covers(p_CP, config.plane_margin_m)) continue;
+    const bool is_plane = height < config.plane_height_m;
+    const auto [x, y, z] =
+        CellOf(p_CP, is_plane ? config.plane_spacing_m : config.object_spacing_m);
+    if (!taken.insert({is_plane ? 1 : 0, x, y, z}).second) continue;
+    const std::optional<geometry::OrientedPoint> local =
+        geometry::FitLocalPlane(depth, cv::Mat(), camera, i);
+    if (!local) continue;
+    points.push_back({local->point.cast<double>(), local->normal.cast<double>().normalized(),
+                      geometry::DepthSigma(p_CP.z())});
+  }
+  return points;
+}
+
+ReferenceCloud::ReferenceCloud(double cell) : cell_(cell) {
+  if (!(cell > 0.0)) Throw<InvalidArgument>("reference cloud: a cell of {} m", cell);
+}
+
+void ReferenceCloud::Add(const SurfacePoint& point_W) {
+  const auto [x, y, z] = CellOf(point_W.p_AP, cell_);
+  Eigen::Index axis = 0;
+  point_W.normal_A.cwiseAbs().maxCoeff(&axis);
+  const int direction = 2 * static_cast<int>(axis) + (point_W.normal_A[axis] < 0.0 ? 1 : 0);
+  Sum& sum = cells_[{x, y, z, direction}];
+  const double weight = 1.0 / (point_W.sigma * point_W.sigma);
+  sum.point += weight * point_W.p_AP;
+  sum.normal += weight * point_W.normal_A;
+  sum.sigma = sum.weight > 0.0 ? std::min(sum.sigma, point_W.sigma) : point_W.sigma;
+  sum.weight += weight;
+}
+
+void ReferenceCloud::AddView(const std::vector<SurfacePoint>& points_C, const Pose& X_WC,
+                             const PoseCovariance& covariance) {
+  CheckPose(X_WC, "the pose X_WC of a view");
+  if (!covariance.allFinite()) {
+    Throw<InvalidArgument>("registration: the covariance of X_WC is not finite");
+  }
+  for (const SurfacePoint& point_C : points_C) {
+    const Vector3d p_W = X_WC * point_C.p_AP;
+    const Vector3d normal_W = X_WC.linear() * point_C.normal_A;
+    const double variance =
+        point_C.sigma * point_C.sigma + VarianceAt(covariance, p_W - X_WC.translation(), normal_W);
+    Add({p_W, normal_W, std::sqrt(variance)});
+  }
+}
+
+void ReferenceCloud::AddModel(const geometry::Mesh& mesh, const Pose& X_WM, double sigma) {
+  CheckPose(X_WM, "the pose X_WM of a model");
+  if (mesh.empty()) Throw<InvalidArgument>("registration: the model's mesh has no triangle");
+  if (!(sigma > 0.0)) Throw<InvalidArgument>("registration: a model with sigma = {} m", sigma);
+  double area = 0.0;
+  for (const Eigen::Vector3i& triangle : mesh.triangles) {
+    const Eigen::Vector3f a = mesh.vertices[triangle[0]];
+    const Eigen::Vector3f normal =
+        (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a);
+    area += 0.5 * normal.norm();
+  }
+  Rng rng(ForkSeed(0, "reference cloud"));  // where exactly the samples lie does not matter
+  const int count = 1 + static_cast<int>(area / (cell_ * cell_));
+  for (const geometry::MeshSample& sample : geometry::SampleSurface(mesh, count, &rng)) {
+    Add({X_WM * sample.surface.point.cast<double>(),
+         X_WM.linear() * sample.surface.normal.cast<double>().normalized(), sigma});
+  }
+}
+
+void ReferenceCloud::Remove(const Eigen::AlignedBox3d& box_W) {
+  std::erase_if(cells_, [&](const auto& entry) {
+    return box_W.contains(Vector3d(entry.second.point / entry.second.weight));
+  });
+}
+
+std::vector<SurfacePoint> ReferenceCloud::Points() const {
+  std::vector<SurfacePoint> points;
+  points.reserve(cells_.size());
+  for (const auto& [key, sum] : cells_) {
+    points.push_back({sum.point / sum.weight, sum.normal.normalized(), sum.sigma});
+  }
+  return points;
+}
+
+ViewRegistration RegisterView(const std::vector<SurfacePoint>& points_C,
+                              const ReferenceCloud& reference, const Pose& nominal_X_WC,
+                              const PoseCovariance& covariance, const RegisterConfig& config) {
+  config.Validate();
+  CheckPose(nominal_X_WC, "the nominal pose X_WC");
+  if (reference.empty()) Throw<InvalidArgument>("registration: the reference cloud is empty");
+  const Eigen::LLT<PoseCovariance> prior(covariance);
+  if (!covariance.allFinite() || prior.info() != Eigen::Success) {
+    Throw<InvalidArgument>("registration: the covariance of X_WC is not positive definite");
+  }
+  ViewRegistration result;
+  result.X_WC = nominal_X_WC;
+  result.covariance = covariance;
+
+  const Target target(reference);
+  const double min_cosine = std::cos(config.max_normal_angle_deg * kDegree);
+  // The gate reaches its last width after two thirds of the iterations.
+  const double shrink = std::pow(config.last_gate_m / config.first_gate_m,
+                                 1.0 / std::max(1.0, config.iterations / 1.5));
+  Pose X_WC = nominal_X_WC;
+  double gate = config.first_gate_m;
+  std::vector<PointPlanePair> pairs;
+  geometry::PointPlaneStep step;
+  for (int i = 0; i < config.iterations; ++i) {
+    pairs = FindPairs(points_C, target, X_WC, gate, min_cosine);
+    step = geometry::SolvePointToPlane(pairs, config.min_constraint);
+    X_WC = step.X * X_WC;
+    const bool settled =
+        (step.X * X_WC.translation() - X_WC.translation()).norm() < kSmallMove &&
+        RotationDistance(step.X.linear(), Eigen::Matrix3d::Identity()) < kSmallTurn;
+    if (settled && gate <= config.last_gate_m) break;
+    gate = std::max(config.last_gate_m, gate * shrink);
+  }
+  result.constrained = step.constrained;
+  result.pairs = static_cast<int>(pairs.size());
+  result.rms = Rms(pairs);
+  if (result.pairs < config.min_pairs || result.constrained == 0) {
+    result.reason = fmt::format(
+        "{} pairs within {:.0f} mm of {} points hold {} directions; at least {} pairs are wanted",
+        result.pairs, 1000.0 * config.last_gate_m, points_C.size(), result.constrained,
+        config.min_pairs);
+    return result;
+  }
+  const Vector6 moved = Between(nominal_X_WC, X_WC);
+  result.sigmas = prior.matrixL().solve(moved).norm();
+  if (result.sigmas > config.max_sigmas) {
+    result.reason = fmt::format(
+        "the result is {:.1f} sigma from the nominal pose ({:.0f} mm, {:.1f} deg); at most {:.1f} "
+        "are believed",
+        result.sigmas, 1000.0 * moved.tail<3>().norm(), moved.head<3>().norm() / kDegree,
+        config.max_sigmas);
+    return result;
+  }
+  result.X_WC = X_WC;
+  result.accepted = true;
+  const PoseCovariance prior_information = prior.solve(PoseCovariance::Identity());
+  const PoseCovariance information =
+      prior_information + HeldInformation(pairs, step, X_WC.translation(), config.min_constraint) /
+                              config.pairs_per_independent;
+  result.covariance = information.llt().solve(PoseCovariance::Identity());
+  return result;
+}
+
+}  // namespace secondlook::perception
