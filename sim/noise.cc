@@ -105,17 +105,20 @@ class SmoothField {
   std::vector<float> values_;
 };
 
-/// True when pixels `a` and `b`, `shift` pixels apart, may show one smooth surface: their depths
+int Rounded(double pixel) { return static_cast<int>(std::floor(pixel + 0.5)); }
+
+/// True when pixels `a` and `b` may show one smooth surface: their depths
 /// differ by no more than twice what the slope at `a` explains, or by less than kSmooth. False when
 /// either sees nothing.
-bool SameSurface(const Render& clean, const geometry::CameraModel& model, int a, int b,
-                 double shift) {
+bool SameSurface(const Render& clean, const geometry::CameraModel& model, int a, int b) {
   if (a == b) return true;
   const double z = clean.depth.ptr<float>()[a];
   const double step = std::abs(z - clean.depth.ptr<float>()[b]);
   if (step <= kSmooth) return true;
   const double cosine = std::max<double>(clean.cos_incidence.ptr<float>()[a], kSteepestCosine);
   const double slope = std::sqrt(1.0 - std::min(cosine * cosine, 1.0)) / cosine;
+  const int width = clean.depth.cols;
+  const double shift = std::hypot(a % width - b % width, a / width - b / width);  // [px]
   return step <= 2.0 * slope * z / model.fx * (shift + 1.0);
 }
 
@@ -132,13 +135,10 @@ std::vector<int> JitterOutlines(const Render& clean, const geometry::CameraModel
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
       const int here = v * width + u;
-      const int u2 =
-          std::clamp(static_cast<int>(std::lround(u + sigma * du.At(u, v))), 0, width - 1);
-      const int v2 =
-          std::clamp(static_cast<int>(std::lround(v + sigma * dv.At(u, v))), 0, height - 1);
-      const double shift = std::hypot(u2 - u, v2 - v);
-      const bool same = SameSurface(clean, model, here, v2 * width + u2, shift);
-      source[here] = same ? here : v2 * width + u2;
+      const int u2 = std::clamp(Rounded(u + sigma * du.At(u, v)), 0, width - 1);
+      const int v2 = std::clamp(Rounded(v + sigma * dv.At(u, v)), 0, height - 1);
+      const int there = v2 * width + u2;
+      source[here] = SameSurface(clean, model, here, there) ? here : there;
     }
   }
   return source;

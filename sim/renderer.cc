@@ -1,5 +1,6 @@
 #include "sim/renderer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -15,6 +16,7 @@
 
 #include "lib/common/error.h"
 #include "sim/shaded_mesh.h"
+#include "sim/shaders.h"
 
 namespace secondlook::sim {
 namespace {
@@ -22,73 +24,10 @@ namespace {
 constexpr double kNear = 0.05;                               // [m]
 constexpr double kFar = 50.0;                                // [m]
 constexpr double kCrease = 40.0 / 180.0 * std::numbers::pi;  // [rad]
+constexpr int kShadowPixels = 512;                           // side of a shadow map
+constexpr float kShadowSlopeBias = 2.0F;                     // glPolygonOffset's factor
+constexpr float kShadowBias = 4.0F;                          // glPolygonOffset's units
 constexpr float kBackground[3] = {0.75F, 0.78F, 0.80F};
-
-// Everything is computed in the camera frame C, where the eye is the origin.
-constexpr const char* kVertexShader = R"(#version 330 core
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec2 uv;
-layout(location = 3) in vec3 color;
-uniform mat4 X_CM;
-uniform mat4 projection;
-out vec3 p_C;
-out vec3 normal_C;
-out vec2 texture_uv;
-out vec3 vertex_color;
-void main() {
-  p_C = (X_CM * vec4(position, 1.0)).xyz;
-  normal_C = mat3(X_CM) * normal;
-  texture_uv = uv;
-  vertex_color = color;
-  gl_Position = projection * vec4(p_C, 1.0);
-}
-)";
-
-// Diffuse light of all lamps and of the surroundings, Blinn-Phong highlights, sRGB encoding.
-constexpr const char* kFragmentShader = R"(#version 330 core
-in vec3 p_C;
-in vec3 normal_C;
-in vec2 texture_uv;
-in vec3 vertex_color;
-uniform vec3 base_color;
-uniform bool has_texture;
-uniform sampler2D image;
-uniform float specular;
-uniform float shininess;
-uniform float id;
-uniform vec3 up_C;
-uniform float ambient;
-uniform int light_count;
-uniform vec3 light_C[8];
-uniform vec3 light_color[8];
-layout(location = 0) out vec4 color_out;    // sRGB, specular
-layout(location = 1) out vec4 surface_out;  // z, cosine of incidence, luminance, id
-void main() {
-  vec3 albedo = base_color * vertex_color;
-  if (has_texture) albedo *= texture(image, texture_uv, -0.5).rgb;
-  vec3 to_eye = normalize(-p_C);
-  vec3 n = normalize(normal_C);
-  if (dot(n, to_eye) < 0.0) n = -n;
-  vec3 light = vec3(ambient * (0.85 + 0.15 * dot(n, up_C)));
-  vec3 highlight = vec3(0.0);
-  for (int i = 0; i < light_count; ++i) {
-    vec3 to_light = normalize(light_C[i] - p_C);
-    float facing = dot(n, to_light);
-    if (facing <= 0.0) continue;
-    light += facing * light_color[i];
-    if (shininess > 0.0) {
-      float glance = max(dot(n, normalize(to_light + to_eye)), 0.0);
-      highlight += specular * pow(glance, shininess) * light_color[i];
-    }
-  }
-  vec3 linear = clamp(albedo * light + highlight, 0.0, 1.0);
-  vec3 srgb = mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear,
-                  vec3(lessThan(linear, vec3(0.0031308))));
-  color_out = vec4(srgb, specular);
-  surface_out = vec4(p_C.z, dot(n, to_eye), dot(albedo, vec3(0.2126, 0.7152, 0.0722)), id);
-}
-)";
 
 /// Context creation initialises state that all contexts of the process share.
 OSMesaContext CreateContext() {
@@ -124,10 +63,10 @@ GLuint Compile(GLenum type, const char* source) {
   Throw<Error>("OpenGL refuses the simulator's shader: {}", log.substr(0, length));
 }
 
-GLuint Link() {
+GLuint Link(const char* vertex_source, const char* fragment_source) {
   const GLuint program = glCreateProgram();
-  const GLuint vertex = Compile(GL_VERTEX_SHADER, kVertexShader);
-  const GLuint fragment = Compile(GL_FRAGMENT_SHADER, kFragmentShader);
+  const GLuint vertex = Compile(GL_VERTEX_SHADER, vertex_source);
+  const GLuint fragment = Compile(GL_FRAGMENT_SHADER, fragment_source);
   glAttachShader(program, vertex);
   glAttachShader(program, fragment);
   glLinkProgram(program);
@@ -151,6 +90,33 @@ Eigen::Matrix4f Projection(const geometry::CameraModel& m) {
   P(2, 3) = -2.0 * kFar * kNear / (kFar - kNear);
   P(3, 2) = 1.0;
   return P.cast<float>();
+}
+
+/// Takes p_W to the clip space of a camera in `light` that sees all within the focus.
+Eigen::Matrix4d ShadowProjection(const Lighting& lighting, const Light& light) {
+  const Eigen::Vector3d toward = lighting.focus - light.position;
+  const double distance = std::max(toward.norm(), 1.1 * lighting.focus_radius);
+  const Eigen::Vector3d forward =
+      toward.norm() > 0.0 ? Eigen::Vector3d(toward.normalized()) : Eigen::Vector3d(0.0, 0.0, -1.0);
+  Pose X_LW = Pose::Identity();
+  X_LW.linear() = Eigen::Quaterniond::FromTwoVectors(forward, Eigen::Vector3d::UnitZ()).matrix();
+  X_LW.translation() = -(X_LW.linear() * light.position);
+  const double near = kNear;
+  const double far = distance + 2.0 * lighting.focus_radius;
+  const double half = std::tan(std::asin(lighting.focus_radius / distance));
+  Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
+  P(0, 0) = 1.0 / half;
+  P(1, 1) = 1.0 / half;
+  P(2, 2) = (far + near) / (far - near);
+  P(2, 3) = -2.0 * far * near / (far - near);
+  P(3, 2) = 1.0;
+  return P * X_LW.matrix();
+}
+
+bool SamePlaces(const std::vector<Instance>& a, const std::vector<Instance>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
+    return x.mesh == y.mesh && x.X_WM.matrix() == y.X_WM.matrix();
+  });
 }
 
 GLuint MakeTexture(const cv::Mat& rgb) {
@@ -179,6 +145,7 @@ struct GlMaterial {
 struct GlMesh {
   GLuint vertex_array{};
   GLuint buffers[2]{};
+  GLsizei index_count{};
   std::vector<MaterialRange> ranges;
   std::vector<GlMaterial> materials;
 };
@@ -210,6 +177,7 @@ GlMesh Upload(const geometry::Mesh& mesh) {
                static_cast<GLsizeiptr>(shaded.indices.size() * sizeof(std::uint32_t)),
                shaded.indices.data(), GL_STATIC_DRAW);
   DescribeVertices();
+  out.index_count = static_cast<GLsizei>(shaded.indices.size());
   out.ranges = std::move(shaded.ranges);
   for (const geometry::Material& material : mesh.materials) {
     const bool textured = !material.texture.empty() && !mesh.uv.empty();
@@ -228,7 +196,12 @@ struct Renderer::Gl {
   std::uint32_t
       window{};  // the pixel of the default framebuffer, which OSMesa wants and nobody sees
   GLuint program{};
+  GLuint shadow_program{};
   GLuint framebuffer{};
+  GLuint shadow_framebuffer{};
+  GLuint shadow_maps{};                    // a layer for each light
+  std::vector<Eigen::Matrix4d> shadow_W;   // of each light, from W to its clip space
+  std::vector<Instance> shadow_instances;  // that the shadow maps show
   GLuint renderbuffers[3]{};
   std::vector<GlMesh> meshes;
 
@@ -263,6 +236,52 @@ struct Renderer::Gl {
     }
   }
 
+  void MakeShadowMaps() {
+    for (const Light& light : lighting.lights) {
+      shadow_W.push_back(ShadowProjection(lighting, light));
+    }
+    glGenTextures(1, &shadow_maps);
+    glActiveTexture(GL_TEXTURE1);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, shadow_maps);
+    const auto layers = static_cast<GLsizei>(std::max<std::size_t>(shadow_W.size(), 1));
+    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT32F, kShadowPixels, kShadowPixels,
+                 layers, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glActiveTexture(GL_TEXTURE0);
+    glGenFramebuffers(1, &shadow_framebuffer);
+  }
+
+  /// Draws the shadow maps anew when something has moved since the last time.
+  void UpdateShadows(const std::vector<Instance>& instances) {
+    if (!shadow_instances.empty() && SamePlaces(instances, shadow_instances)) return;
+    shadow_instances = instances;
+    glBindFramebuffer(GL_FRAMEBUFFER, shadow_framebuffer);
+    glUseProgram(shadow_program);
+    glViewport(0, 0, kShadowPixels, kShadowPixels);
+    glEnable(GL_POLYGON_OFFSET_FILL);  // else a surface would shadow itself
+    glPolygonOffset(kShadowSlopeBias, kShadowBias);
+    const GLint clip_M = glGetUniformLocation(shadow_program, "clip_M");
+    for (std::size_t i = 0; i < shadow_W.size(); ++i) {
+      glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadow_maps, 0,
+                                static_cast<GLint>(i));
+      glDrawBuffer(GL_NONE);
+      constexpr float kFarthest = 1.0F;
+      glClearBufferfv(GL_DEPTH, 0, &kFarthest);
+      for (const Instance& instance : instances) {
+        const GlMesh& mesh = meshes.at(instance.mesh);
+        const Eigen::Matrix4f matrix = (shadow_W[i] * instance.X_WM.matrix()).cast<float>();
+        glUniformMatrix4fv(clip_M, 1, GL_FALSE, matrix.data());
+        glBindVertexArray(mesh.vertex_array);
+        glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
+      }
+    }
+    glDisable(GL_POLYGON_OFFSET_FILL);
+  }
+
   void Clear() const {
     constexpr float kSky[4] = {kBackground[0], kBackground[1], kBackground[2], 0.0F};
     constexpr float kNothing[4] = {0.0F, 0.0F, 0.0F, 0.0F};
@@ -273,6 +292,9 @@ struct Renderer::Gl {
   }
 
   void SetLights(const Pose& X_CW) const {
+    // From clip space, [-1, 1], to texture coordinates, [0, 1].
+    const Eigen::Affine3d to_texture =
+        Eigen::Translation3d(0.5, 0.5, 0.5) * Eigen::UniformScaling<double>(0.5);
     Set("up_C", X_CW.linear().col(2).cast<float>());
     glUniform1f(Uniform("ambient"), static_cast<float>(lighting.ambient));
     glUniform1i(Uniform("light_count"), static_cast<int>(lighting.lights.size()));
@@ -280,6 +302,10 @@ struct Renderer::Gl {
       const Light& light = lighting.lights[i];
       Set(fmt::format("light_C[{}]", i).c_str(), (X_CW * light.position).cast<float>());
       Set(fmt::format("light_color[{}]", i).c_str(), (light.color * light.intensity).cast<float>());
+      const Eigen::Matrix4f shadow_C =
+          (to_texture.matrix() * shadow_W[i] * X_CW.inverse().matrix()).cast<float>();
+      glUniformMatrix4fv(Uniform(fmt::format("shadow_C[{}]", i).c_str()), 1, GL_FALSE,
+                         shadow_C.data());
     }
   }
 
@@ -359,14 +385,16 @@ Renderer::Renderer(const geometry::CameraModel& model, const Lighting& lighting)
   }
   gl_ = std::make_unique<Gl>(model, lighting);
   const Current current(gl_->context, &gl_->window);
-  gl_->program = Link();
+  gl_->program = Link(kVertexShader, kFragmentShader);
+  gl_->shadow_program = Link(kShadowVertexShader, kShadowFragmentShader);
   gl_->MakeFramebuffer();
+  gl_->MakeShadowMaps();
   glUseProgram(gl_->program);
   const Eigen::Matrix4f projection = Projection(model);
   glUniformMatrix4fv(gl_->Uniform("projection"), 1, GL_FALSE, projection.data());
   glUniform1i(gl_->Uniform("image"), 0);
+  glUniform1i(gl_->Uniform("shadow_map"), 1);
   glEnable(GL_DEPTH_TEST);
-  glViewport(0, 0, model.width, model.height);
 }
 
 Renderer::~Renderer() = default;
@@ -381,7 +409,9 @@ int Renderer::AddMesh(const geometry::Mesh& mesh) {
 
 Render Renderer::Draw(const Pose& X_WC, const std::vector<Instance>& instances) {
   const Current current(gl_->context, &gl_->window);
+  gl_->UpdateShadows(instances);
   glBindFramebuffer(GL_FRAMEBUFFER, gl_->framebuffer);
+  glUseProgram(gl_->program);
   glViewport(0, 0, gl_->model.width, gl_->model.height);
   const Pose X_CW = X_WC.inverse();
   gl_->Clear();

@@ -28,8 +28,10 @@ struct Light {
 
 /// All the light in a scene.
 struct Lighting {
-  std::vector<Light> lights;  ///< At most kMaxLights.
-  double ambient{0.35};       ///< From everywhere; a little less from below.
+  std::vector<Light> lights;              ///< At most kMaxLights.
+  double ambient{0.35};                   ///< From everywhere; a little less from below.
+  Eigen::Vector3d focus{0.0, 0.0, 0.75};  ///< In W [m]; things cast shadows …
+  double focus_radius{1.0};               ///< … within this distance [m] of it.
 
   static constexpr std::size_t kMaxLights = 8;
 };

@@ -3,14 +3,25 @@
 namespace secondlook::sim {
 namespace {
 
-constexpr int kSegments = 48;  // of a moving obstacle
+constexpr int kSegments = 48;           // of a moving obstacle
+constexpr double kShadowMargin = 0.25;  // [m] around the table
+
+Lighting LightingOf(const Scene& scene) {
+  const Table& table = scene.table;
+  return {scene.lights,
+          scene.ambient,
+          {table.position.x(), table.position.y(), table.height},
+          table.size.norm() / 2 + kShadowMargin};
+}
 
 }  // namespace
 
 SceneRenderer::SceneRenderer(const World& world, const geometry::CameraModel& model)
-    : renderer_(model, {world.scene().lights, world.scene().ambient}) {
-  for (const Fixture& fixture : world.fixtures()) {
-    fixed_.push_back({renderer_.AddMesh(fixture.mesh), fixture.X_WM, fixture.id});
+    : renderer_(model, LightingOf(world.scene())) {
+  // Objects first, floor last: what is hidden then need not be shaded.
+  const std::vector<Fixture>& fixtures = world.fixtures();
+  for (auto fixture = fixtures.rbegin(); fixture != fixtures.rend(); ++fixture) {
+    fixed_.push_back({renderer_.AddMesh(fixture->mesh), fixture->X_WM, fixture->id});
   }
   for (const MovingObstacle& obstacle : world.scene().moving_obstacles) {
     const geometry::Mesh mesh = geometry::MakeCylinder(obstacle.radius, obstacle.height, kSegments,

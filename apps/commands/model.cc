@@ -22,8 +22,8 @@ void List(const std::string& folder) {
   fmt::print("{:24} {:>22} {:>10}  {}\n", "model", "size [m]", "triangles", "hash");
   for (const world::ObjectModel& model : database.models()) {
     const Eigen::Vector3d size = geometry::Bounds(model.mesh).sizes();
-    fmt::print("{:24} {:6.3f} x {:5.3f} x {:5.3f} {:10}  {:016x}\n", model.name, size.x(),
-               size.y(), size.z(), model.mesh.triangles.size(), model.hash);
+    fmt::print("{:24} {:6.3f} x {:5.3f} x {:5.3f} {:10}  {:016x}\n", model.name, size.x(), size.y(),
+               size.z(), model.mesh.triangles.size(), model.hash);
   }
 }
 

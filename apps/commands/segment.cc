@@ -5,9 +5,9 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <spdlog/spdlog.h>
 
 #include "apps/commands/commands.h"
 #include "apps/commands/parse_up.h"
@@ -27,8 +27,7 @@ struct SegmentOptions {
 };
 
 /// The label of every point of an organised cloud: 0 none, i + 1 for cluster i.
-cv::Mat LabelImage(const geometry::PointImage& cloud,
-                   const std::vector<world::Cluster>& clusters) {
+cv::Mat LabelImage(const geometry::PointImage& cloud, const std::vector<world::Cluster>& clusters) {
   cv::Mat labels = cv::Mat::zeros(cloud.height, cloud.width, CV_16U);
   for (std::size_t i = 0; i < clusters.size(); ++i) {
     for (const int pixel : clusters[i].pixels) {

@@ -3,14 +3,14 @@
 #include <limits>
 
 #include <embree3/rtcore.h>
+#include <tbb/task_arena.h>
 
 #include "lib/common/error.h"
 
 namespace secondlook::geometry {
 
 struct RayCaster::Scene {
-  // One thread builds the tree, so that it is the same every time.
-  RTCDevice device{rtcNewDevice("threads=1,set_affinity=0")};
+  RTCDevice device{rtcNewDevice("set_affinity=0")};
   RTCScene scene{rtcNewScene(device)};
 
   Scene() = default;
@@ -45,7 +45,9 @@ RayCaster::RayCaster(const Mesh& mesh) : scene_(std::make_unique<Scene>()) {
   rtcAttachGeometry(scene_->scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcSetSceneFlags(scene_->scene, RTC_SCENE_FLAG_ROBUST);  // no ray slips between two triangles
-  rtcCommitScene(scene_->scene);
+  // One thread builds the tree, so that it is the same every time. The device's own setting
+  // "threads=1" would hold the whole process to one thread.
+  tbb::task_arena(1).execute([this] { rtcCommitScene(scene_->scene); });
 }
 
 RayCaster::~RayCaster() = default;

@@ -146,6 +146,68 @@ PoseCovariance HeldInformation(const std::vector<PointPlanePair>& pairs,
   return to_centroid.transpose() * held * to_centroid;
 }
 
+/// The point of the plane's edge beside a pixel of the plane: above its upright side where that is
+/// seen, else halfway to the next pixel that sees past it.
+std::optional<Vector3d> EdgePoint(const geometry::PointImage& image,
+                                  const geometry::CameraModel& camera,
+                                  const world::SupportPlane& plane_C, int u, int v,
+                                  const RegisterConfig& config) {
+  static constexpr std::array<std::array<int, 2>, 4> kWays = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+  const Vector3d from_C = image.points_C[v * image.width + u].cast<double>();
+  for (const auto& [du, dv] : kWays) {
+    bool beside = true;  // nothing but pixels without return between
+    for (int gap = 1; gap <= config.edge_gap_px; ++gap) {
+      const int to_u = u + gap * du;
+      const int to_v = v + gap * dv;
+      if (to_u < 0 || to_v < 0 || to_u >= image.width || to_v >= image.height) break;
+      const Vector3d p_CP = image.points_C[to_v * image.width + to_u].cast<double>();
+      if (!p_CP.allFinite()) continue;
+      const double height = plane_C.HeightOf(p_CP);
+      if (height > -config.edge_drop_m) {
+        beside = false;
+        continue;
+      }
+      const Vector3d above_C = p_CP - height * plane_C.normal_A;
+      if ((above_C - from_C).norm() < config.edge_face_m) return above_C;  // an upright side
+      if (!beside) break;
+      const Vector3d ray_C = camera.Ray(u + 0.5 * gap * du, v + 0.5 * gap * dv);
+      const double depth = plane_C.offset / plane_C.normal_A.dot(ray_C);
+      if (depth > 0.0) return ray_C * depth;
+      break;
+    }
+  }
+  return std::nullopt;
+}
+
+/// The plane's edge as points of an upright surface that faces away from `middle_C`.
+std::vector<SurfacePoint> EdgeSurface(const std::vector<Vector3d>& edge_C,
+                                      const world::SupportPlane& plane_C, const Vector3d& middle_C,
+                                      const RegisterConfig& config) {
+  constexpr int kMinPoints = 5;
+  constexpr double kMaxWidth = 0.2;  // of the edge's length, or it is a corner or a crumb
+  const geometry::KdTree tree(edge_C);
+  std::vector<SurfacePoint> surface;
+  for (const Vector3d& p_CP : edge_C) {
+    const std::vector<geometry::Neighbour> near = tree.Within(p_CP, config.edge_radius_m);
+    if (static_cast<int>(near.size()) < kMinPoints) continue;
+    Vector3d mean = Vector3d::Zero();
+    for (const geometry::Neighbour& neighbour : near) mean += edge_C[neighbour.index];
+    mean /= static_cast<double>(near.size());
+    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+    for (const geometry::Neighbour& neighbour : near) {
+      const Vector3d arm = edge_C[neighbour.index] - mean;
+      scatter += arm * arm.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+    const double width = std::sqrt(std::max(0.0, eigen.eigenvalues()[1]));
+    if (width > kMaxWidth * std::sqrt(eigen.eigenvalues()[2])) continue;
+    Vector3d normal_C = Vector3d(eigen.eigenvectors().col(2)).cross(plane_C.normal_A).normalized();
+    if (normal_C.dot(mean - middle_C) < 0.0) normal_C = -normal_C;
+    surface.push_back({p_CP + normal_C * normal_C.dot(mean - p_CP), normal_C, config.edge_sigma_m});
+  }
+  return surface;
+}
+
 void CheckPose(const Pose& X, const char* name) {
   if (!IsValid(X)) Throw<InvalidArgument>("registration: {} is not finite and rigid", name);
 }
@@ -166,6 +228,11 @@ void RegisterConfig::Validate() const {
   check(object_spacing_m, 0.001, 1.0, "object_spacing_m");
   check(plane_height_m, 0.0, 0.2, "plane_height_m");
   check(max_height_m, plane_height_m, 5.0, "max_height_m");
+  check(edge_face_m, 0.0, 1.0, "edge_face_m");
+  check(edge_drop_m, plane_height_m, 1.0, "edge_drop_m");
+  check(edge_gap_px, 0, 100, "edge_gap_px");
+  check(edge_radius_m, 0.001, 1.0, "edge_radius_m");
+  check(edge_sigma_m, 1e-4, 1.0, "edge_sigma_m");
   check(plane_margin_m, 0.0, 1.0, "plane_margin_m");
   check(last_gate_m, 0.001, 1.0, "last_gate_m");
   check(first_gate_m, last_gate_m, 1.0, "first_gate_m");
@@ -180,23 +247,33 @@ void RegisterConfig::Validate() const {
 PoseCovariance NominalCovariance(const RegisterConfig& config, const Vector3d& p_CB_W) {
   const double extrinsics = config.extrinsics_deg * kDegree;
   PoseCovariance covariance = PoseCovariance::Zero();
-  covariance.diagonal() << Vector3d::Constant(extrinsics * extrinsics),
-      Vector3d::Constant(config.extrinsics_m * config.extrinsics_m);
-  covariance.block<2, 2>(3, 3) += Eigen::Matrix2d::Identity() * config.base_m * config.base_m;
+  // Twice that of one view; four times for what is fixed to the camera, since from the other side
+  // it errs to the other side.
+  covariance.diagonal() << Vector3d::Constant(4.0 * extrinsics * extrinsics),
+      Vector3d::Constant(4.0 * config.extrinsics_m * config.extrinsics_m);
+  covariance.block<2, 2>(3, 3) += 2.0 * config.base_m * config.base_m * Eigen::Matrix2d::Identity();
   // The heading turns the camera about the base's origin.
   Vector6 by_yaw;
   by_yaw << Vector3d::UnitZ(), Vector3d::UnitZ().cross(-p_CB_W);
   const double yaw = config.base_yaw_deg * kDegree;
-  covariance += yaw * yaw * by_yaw * by_yaw.transpose();
-  return 2.0 * covariance;
+  covariance += 2.0 * yaw * yaw * by_yaw * by_yaw.transpose();
+  return covariance;
 }
 
 std::vector<SurfacePoint> ViewPoints(const cv::Mat& depth, const geometry::CameraModel& camera,
                                      const world::SupportPlane& plane_C,
                                      const RegisterConfig& config) {
   const geometry::PointImage image = geometry::Deproject(depth, camera);
-  std::set<std::array<int, 4>> taken;
+  enum Kind { kObject, kPlane, kEdge };
+  std::set<std::array<int, 4>> taken;  // a cell a kind
+  const auto is_new = [&](Kind kind, const Vector3d& p_CP, double spacing) {
+    const auto [x, y, z] = CellOf(p_CP, spacing);
+    return taken.insert({kind, x, y, z}).second;
+  };
   std::vector<SurfacePoint> points;
+  std::vector<Vector3d> edge_C;
+  Vector3d middle_C = Vector3d::Zero();
+  int on_plane = 0;
   for (int i = 0; i < image.width * image.height; ++i) {
     const Vector3d p_CP = image.points_C[i].cast<double>();
     if (!p_CP.allFinite()) continue;
@@ -204,15 +281,26 @@ std::vector<SurfacePoint> ViewPoints(const cv::Mat& depth, const geometry::Camer
     if (height < -config.plane_height_m || height > config.max_height_m) continue;
     if (!plane_C.Covers(p_CP, config.plane_margin_m)) continue;
     const bool is_plane = height < config.plane_height_m;
-    const auto [x, y, z] =
-        CellOf(p_CP, is_plane ? config.plane_spacing_m : config.object_spacing_m);
-    if (!taken.insert({is_plane ? 1 : 0, x, y, z}).second) continue;
+    if (is_plane) {
+      const auto edge = EdgePoint(image, camera, plane_C, i % image.width, i / image.width, config);
+      if (edge && is_new(kEdge, *edge, config.object_spacing_m)) edge_C.push_back(*edge);
+      middle_C += p_CP;
+      ++on_plane;
+    }
+    if (!is_new(is_plane ? kPlane : kObject, p_CP,
+                is_plane ? config.plane_spacing_m : config.object_spacing_m)) {
+      continue;
+    }
     const std::optional<geometry::OrientedPoint> local =
         geometry::FitLocalPlane(depth, cv::Mat(), camera, i);
     if (!local) continue;
     points.push_back({local->point.cast<double>(), local->normal.cast<double>().normalized(),
                       geometry::DepthSigma(p_CP.z())});
   }
+  if (on_plane == 0) return points;
+  const std::vector<SurfacePoint> edge =
+      EdgeSurface(edge_C, plane_C, middle_C / static_cast<double>(on_plane), config);
+  points.insert(points.end(), edge.begin(), edge.end());
   return points;
 }
 

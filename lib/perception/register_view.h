@@ -29,20 +29,25 @@ struct SurfacePoint {
 
 /// How well a nominal camera pose is known (standard deviations), and how views are registered.
 struct RegisterConfig {
-  double base_m{0.015};             ///< Of the base's x and y.
-  double base_yaw_deg{0.7};         ///< Of its heading.
-  double extrinsics_m{0.003};       ///< Of the camera on the base, along each axis.
-  double extrinsics_deg{0.35};      ///< About each axis, the head's own error included.
-  double plane_spacing_m{0.03};     ///< Between the points taken of the support plane, and…
-  double object_spacing_m{0.006};   ///< …of what stands on it.
-  double plane_height_m{0.012};     ///< What is lower is the plane.
-  double max_height_m{0.6};         ///< What is higher is left out.
-  double plane_margin_m{0.03};      ///< How far beyond the plane's rectangle points may lie.
-  double first_gate_m{0.06};        ///< Pairs farther apart are none, at first and…
-  double last_gate_m{0.01};         ///< …at the end.
+  double base_m{0.015};            ///< Of the base's x and y.
+  double base_yaw_deg{0.7};        ///< Of its heading.
+  double extrinsics_m{0.003};      ///< Of the camera on the base, along each axis.
+  double extrinsics_deg{0.35};     ///< About each axis, the head's own error included.
+  double plane_spacing_m{0.05};    ///< Between the points taken of the support plane, and…
+  double object_spacing_m{0.008};  ///< …of what stands on it.
+  double plane_height_m{0.012};    ///< What is lower is the plane.
+  double max_height_m{0.6};        ///< What is higher is left out.
+  double edge_drop_m{0.015};       ///< Beside the plane's edge one sees what lies lower by so much.
+  int edge_gap_px{8};              ///< So many pixels may lie between.
+  double edge_face_m{0.03};        ///< Nearer to the edge, what lies lower is the upright side.
+  double edge_radius_m{0.05};      ///< Edge points so near to each other give the edge's direction.
+  double edge_sigma_m{0.004};      ///< How well an edge is measured.
+  double plane_margin_m{0.03};     ///< How far beyond the plane's rectangle points may lie.
+  double first_gate_m{0.08};       ///< Pairs farther apart are none, at first and…
+  double last_gate_m{0.01};        ///< …at the end.
   double max_normal_angle_deg{35};  ///< Between the normals of a pair.
   int iterations{30};
-  double min_constraint{0.01};         ///< Of SolvePointToPlane: less of the weight holds nothing.
+  double min_constraint{0.005};        ///< Of SolvePointToPlane: less of the weight holds nothing.
   int min_pairs{100};                  ///< Fewer are no registration.
   double pairs_per_independent{40.0};  ///< So many pairs say as much as one independent one.
   double max_sigmas{5.0};  ///< A result farther from the nominal pose is refused (Mahalanobis).
@@ -57,6 +62,11 @@ struct RegisterConfig {
     a->Visit("object_spacing_m", &object_spacing_m);
     a->Visit("plane_height_m", &plane_height_m);
     a->Visit("max_height_m", &max_height_m);
+    a->Visit("edge_drop_m", &edge_drop_m);
+    a->Visit("edge_gap_px", &edge_gap_px);
+    a->Visit("edge_face_m", &edge_face_m);
+    a->Visit("edge_radius_m", &edge_radius_m);
+    a->Visit("edge_sigma_m", &edge_sigma_m);
     a->Visit("plane_margin_m", &plane_margin_m);
     a->Visit("first_gate_m", &first_gate_m);
     a->Visit("last_gate_m", &last_gate_m);
@@ -71,12 +81,15 @@ struct RegisterConfig {
   void Validate() const;
 };
 
-/// The covariance of a nominal X_WC in the map that another view of the same quality has defined:
-/// both err, so twice that of one. `p_CB_W` is from the camera to the base's origin, in W [m].
+/// The covariance of a nominal X_WC in the map that another view of the same quality has defined,
+/// perhaps from the other side: both err. `p_CB_W` is from the camera to the base's origin, in W
+/// [m].
 PoseCovariance NominalCovariance(const RegisterConfig& config, const Eigen::Vector3d& p_CB_W);
 
 /// The points of a view that registration uses, in C: of the support plane within its rectangle,
-/// and of what stands on it, thinned, each with the normal of its surroundings.
+/// and of what stands on it, thinned, each with the normal of its surroundings. The plane's edge
+/// is there, too, as points of an upright surface: from opposite sides the edge is most of what two
+/// views have in common besides the plane.
 /// @param depth [height, width] CV_32FC1, z_C [m]; NaN = none.
 /// @throws InvalidArgument for a depth image of another type or size than the camera's.
 std::vector<SurfacePoint> ViewPoints(const cv::Mat& depth, const geometry::CameraModel& camera,

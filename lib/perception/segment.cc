@@ -209,6 +209,7 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
   for (std::size_t i = 0; i < candidates.size(); i += stride) {
     sample.push_back(cloud.points_C[candidates[i]]);
   }
+  std::vector<int> left = candidates;
   Vector3d level = up;
   double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
   PlaneSearch highest;
@@ -220,10 +221,13 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     if (!plane) break;
     for (int i = 0; i < 3; ++i) plane = Refit(sample, *plane, up);
     std::erase_if(sample, [&](const Vector3f& p) { return LiesOn(*plane, p); });
+    // A point belongs to the first plane only: the edge of a table is no second, tilted table.
     std::vector<Vector3d> inliers;
-    for (const int i : candidates) {
-      if (LiesOn(*plane, cloud.points_C[i])) inliers.push_back(cloud.points_C[i].cast<double>());
-    }
+    std::erase_if(left, [&](int i) {
+      if (!LiesOn(*plane, cloud.points_C[i])) return false;
+      inliers.push_back(cloud.points_C[i].cast<double>());
+      return true;
+    });
     // The best fit to a strip of wall is the wall.
     if (plane->normal.dot(level) < std::cos(max_tilt)) continue;
     most_points = std::max(most_points, static_cast<int>(inliers.size()));

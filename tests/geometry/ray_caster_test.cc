@@ -1,6 +1,7 @@
 #include "lib/geometry/ray_caster.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include "lib/common/error.h"
 #include "lib/common/rng.h"
@@ -57,6 +58,15 @@ TEST(RayCaster, SeesASurfaceFromItsBackToo) {
       caster.Cast(std::vector<Ray>{{Vector3f::Zero(), Vector3f(0.0F, 0.1F, 2.0F)}});
   EXPECT_GE(hits[0].triangle, 0);
   EXPECT_NEAR(hits[0].distance, 0.25, 1e-6);
+}
+
+TEST(RayCaster, LeavesTheProcessItsThreads) {
+  const auto threads = [] {
+    return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  };
+  const auto before = threads();
+  const RayCaster caster(MakeBox({1.0, 1.0, 1.0}, Vector3f::Ones()));
+  EXPECT_EQ(threads(), before);
 }
 
 TEST(RayCaster, RefusesAMeshWithoutTriangles) {

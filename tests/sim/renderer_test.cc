@@ -198,6 +198,33 @@ TEST(Renderer, AShinySphereHasAHighlightThatADullOneHasNot) {
   EXPECT_GT(brightest(), dull + 100);
 }
 
+TEST(Renderer, WhatComesBetweenALampAndASurfaceCastsAShadowThatMovesWithIt) {
+  // A lamp 3 m above (2, 0) and a plate 1 m above the floor; the camera sees the floor below the
+  // plate past it, at the centre of the picture.
+  Renderer renderer(kModel, {.lights = {{.position = {2, 0, 3}, .intensity = 0.5}},
+                             .ambient = 0.2,
+                             .focus = {2, 0, 0},
+                             .focus_radius = 1.5});
+  const Instance floor{renderer.AddMesh(geometry::MakeBox({8, 8, 0.02}, {1, 1, 1})),
+                       At({0, 0, -0.01}), 1};
+  Instance plate{renderer.AddMesh(geometry::MakeBox({0.3, 0.3, 0.01}, {1, 1, 1})), At({2, 0, 1}),
+                 2};
+  Pose X_WC = Forward();
+  X_WC.prerotate(RotationFromRollPitchYaw(0, M_PI / 4, 0));
+  X_WC.translation() = Vector3d(0, 0, 2);
+  const auto brightness = [&](const std::vector<Instance>& instances) {
+    const Render render = renderer.Draw(X_WC, instances);
+    EXPECT_EQ(render.id.at<std::uint16_t>(60, 80), 1);
+    return render.color.at<cv::Vec3b>(60, 80)[1];
+  };
+  // Linear light: 0.2 of the ambience, up to 0.5 of the lamp; sRGB codes 124 and 218 of 255.
+  const int lit = brightness({floor});
+  EXPECT_NEAR(lit, 218, 3);
+  EXPECT_NEAR(brightness({floor, plate}), 124, 3);
+  plate.X_WM = At({2, 1.0, 1});
+  EXPECT_EQ(brightness({floor, plate}), lit);
+}
+
 TEST(Renderer, SeveralInOneProcessDoNotDisturbEachOther) {
   const geometry::Mesh box = geometry::MakeBox({0.4, 0.5, 0.3}, {1, 0.5F, 0.2F});
   const geometry::Mesh sphere = geometry::MakeSphere(0.3, 30, {0.1F, 0.5F, 0.2F});

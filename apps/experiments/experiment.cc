@@ -1,0 +1,105 @@
+#include "apps/experiments/experiment.h"
+
+#include <ctime>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "apps/json_output.h"
+#include "lib/common/error.h"
+#include "lib/common/files.h"
+#include "lib/common/parallel.h"
+
+namespace secondlook::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// The trials that stand in the result of an earlier, interrupted run.
+std::vector<Json> EarlierTrials(const std::string& name, const ExperimentOptions& options) {
+  if (!options.resume || options.json.empty() || options.json == "-") return {};
+  if (!std::filesystem::exists(options.json)) return {};
+  const Json earlier = Json::parse(ReadFile(options.json), nullptr, false);
+  if (earlier.is_discarded() || !earlier.contains("details") || earlier["name"] != name ||
+      earlier["seed"] != options.seed) {
+    Throw<ConfigError>("{}: is not the result of 'experiment {}' with seed {}; nothing to resume",
+                       options.json, name, options.seed);
+  }
+  return earlier["details"].get<std::vector<Json>>();
+}
+
+Json ResultOf(const std::string& name, const ExperimentOptions& options,
+              const std::vector<Json>& details, const std::vector<Row>& rows, double seconds) {
+  Json result;
+  result["name"] = name;
+  result["trials"] = details.size();
+  result["seed"] = options.seed;
+  result["rows"] = Json::array();
+  for (const Row& row : rows) {
+    result["rows"].push_back({{"metric", row.metric},
+                              {"value", row.estimate.value},
+                              {"ci95", {row.estimate.low, row.estimate.high}},
+                              {"paper", nullptr},
+                              {"baseline", nullptr}});
+  }
+  result["seconds"] = seconds;
+  result["details"] = details;
+  return result;
+}
+
+void Print(const Json& result) {
+  fmt::print("\n{} ({} trials, seed {})\n", result["name"].get<std::string>(),
+             result["trials"].get<int>(), result["seed"].get<std::uint64_t>());
+  for (const Json& row : result["rows"]) {
+    fmt::print("  {:44} {:9.4f}   95 % [{:.4f}, {:.4f}]\n", row["metric"].get<std::string>(),
+               row["value"].get<double>(), row["ci95"][0].get<double>(),
+               row["ci95"][1].get<double>());
+  }
+}
+
+}  // namespace
+
+std::vector<Json> RunTrials(
+    const std::string& name, const ExperimentOptions& options,
+    const std::function<Json(int)>& trial,
+    const std::function<std::vector<Row>(const std::vector<Json>&)>& summarise) {
+  std::vector<std::optional<Json>> done(options.trials);
+  for (const Json& earlier : EarlierTrials(name, options)) {
+    const int t = earlier["trial"].get<int>();
+    if (t >= 0 && t < options.trials) done[t] = earlier;
+  }
+  std::vector<int> open;
+  for (int t = 0; t < options.trials; ++t) {
+    if (t % options.shards == options.shard - 1 && !done[t]) open.push_back(t);
+  }
+  const auto details = [&] {
+    std::vector<Json> all;
+    for (const auto& one : done) {
+      if (one) all.push_back(*one);
+    }
+    return all;
+  };
+  const double start = ProcessorSeconds();
+  const auto result = [&] {
+    return ResultOf(name, options, details(), summarise(details()), ProcessorSeconds() - start);
+  };
+  std::mutex mutex;  // guards `done` and the file
+  const ThreadLimit limit(options.threads);
+  ParallelFor(static_cast<int>(open.size()), [&](int i) {
+    Json one = trial(open[i]);
+    one["trial"] = open[i];
+    const std::lock_guard lock(mutex);
+    done[open[i]] = std::move(one);
+    if (!options.json.empty() && options.json != "-") WriteJson(result(), options.json);
+  });
+  const Json all = result();
+  if (!options.json.empty()) WriteJson(all, options.json);
+  if (options.json != "-") Print(all);
+  return details();
+}
+
+}  // namespace secondlook::apps

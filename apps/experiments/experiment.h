@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/experiments/statistics.h"
+
+namespace secondlook::apps {
+
+/// What every experiment is asked for (docs/cli.md).
+struct ExperimentOptions {
+  int trials = 50;
+  std::uint64_t seed = 1;
+  int shard = 1;  ///< Of `shards`, from 1: only trials t with t % shards == shard - 1 are run.
+  int shards = 1;
+  bool resume{};           ///< Trials that stand in `json` already are not run again.
+  std::string scene;       ///< A scene file to use instead of random ones; "": random.
+  std::string models;      ///< Folder of the object database.
+  std::string unfamiliar;  ///< Folder of objects that are in no database; "": none.
+  std::string data;        ///< Folder of recorded data, for the experiments that need it.
+  std::string report;      ///< Folder that keeps the scene and result of each trial; "": none.
+  std::string json;        ///< Where the result goes; "-": standard output, "": nowhere.
+  int threads = 2;         ///< Trials side by side.
+};
+
+/// One line of an experiment's result.
+struct Row {
+  std::string metric;
+  Estimate estimate;
+};
+
+/// Runs `trial(t)` for the trials of the shard, side by side, and returns their results in the
+/// order of t. After each one, those that are done are written to `options.json`, so that --resume
+/// can go on from there; `summarise` makes the rows from all that are done.
+std::vector<nlohmann::ordered_json> RunTrials(
+    const std::string& name, const ExperimentOptions& options,
+    const std::function<nlohmann::ordered_json(int)>& trial,
+    const std::function<std::vector<Row>(const std::vector<nlohmann::ordered_json>&)>& summarise);
+
+/// Whole missions in simulation: the figures by which the default robot is judged.
+/// @throws ConfigError for folders or a scene that cannot be read.
+void RunMissionsExperiment(const ExperimentOptions& options);
+
+}  // namespace secondlook::apps

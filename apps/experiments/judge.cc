@@ -1,0 +1,169 @@
+#include "apps/experiments/judge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lib/geometry/mesh.h"
+#include "lib/perception/symmetry.h"
+#include "sim/ground_truth.h"
+
+namespace secondlook::apps {
+namespace {
+
+using world::ObjectBelief;
+using world::ObjectState;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+/// A belief farther from a thing than this is about something else.
+constexpr double kSameThing_m = 0.08;
+
+/// The view in which the object's best hypothesis fits best.
+const world::ViewEvidence& VerifyingView(const ObjectBelief& object) {
+  const auto& evidence = object.Best()->evidence;
+  return *std::max_element(evidence.begin(), evidence.end(), [](const auto& a, const auto& b) {
+    const auto worth = [](const world::ViewEvidence& e) {
+      return (e.hypothesis.verification.accepted ? 1.0 : 0.0) + e.hypothesis.score;
+    };
+    return worth(a) < worth(b);
+  });
+}
+
+class Court {
+ public:
+  Court(const Mission& mission, const sim::World& world, const JudgeConfig& config)
+      : mission_(mission), truth_(world), config_(config) {
+    table_height_ = world.scene().table.height;
+  }
+
+  std::vector<Verdict> Judge() {
+    std::vector<char> taken(mission_.belief().objects.size(), 0);
+    std::vector<Verdict> verdicts;
+    for (const sim::PlacedObject& thing : truth_.objects()) {
+      if (thing.role == sim::Role::kObstacle) continue;
+      verdicts.push_back(AboutThing(thing, &taken));
+    }
+    for (const ObjectBelief& object : mission_.belief().objects) {
+      if (object.state != ObjectState::kVerified || taken[object.id]) continue;
+      Verdict verdict;
+      verdict.kind = Verdict::Kind::kWrong;
+      verdict.object = object.id;
+      verdict.belief = object.Best()->model;
+      verdicts.push_back(verdict);
+    }
+    return verdicts;
+  }
+
+ private:
+  Eigen::Vector3d CenterOf(const sim::PlacedObject& thing) const {
+    return thing.X_WM * geometry::Bounds(thing.mesh).center();
+  }
+
+  /// Where the object is believed to be, in the true W: seen through the true pose of a camera that
+  /// saw it, so that the error of the robot's localisation does not count.
+  Eigen::Vector3d TrueCenterOf(const ObjectBelief& object) const {
+    const world::Observation& view = mission_.belief().views[object.sightings.back().view];
+    const Pose X_TrueW = truth_.ViewOf(view.frame.sequence).X_WC * view.X_WC.inverse();
+    return X_TrueW * object.extent_W.center();
+  }
+
+  /// The belief about `thing`: the nearest within reach that no other thing has taken; a verified
+  /// one of its name first.
+  const ObjectBelief* BeliefAbout(const sim::PlacedObject& thing,
+                                  const std::vector<char>& taken) const {
+    const ObjectBelief* best = nullptr;
+    double best_distance = kSameThing_m;
+    for (const ObjectBelief& object : mission_.belief().objects) {
+      if (object.state == ObjectState::kRejected || taken[object.id]) continue;
+      double distance = (TrueCenterOf(object) - CenterOf(thing)).norm();
+      if (distance >= kSameThing_m) continue;
+      if (object.state == ObjectState::kVerified && object.Best()->model == thing.name) {
+        distance -= kSameThing_m;
+      }
+      if (best == nullptr || distance < best_distance) {
+        best = &object;
+        best_distance = distance;
+      }
+    }
+    return best;
+  }
+
+  Verdict AboutThing(const sim::PlacedObject& thing, std::vector<char>* taken) {
+    const bool known = thing.role == sim::Role::kKnown;
+    Verdict verdict;
+    verdict.truth = thing.name;
+    verdict.kind = known ? Verdict::Kind::kMissed : Verdict::Kind::kUnknownOpen;
+    const ObjectBelief* object = BeliefAbout(thing, *taken);
+    if (object == nullptr) return verdict;
+    (*taken)[object->id] = 1;
+    verdict.object = object->id;
+    if (object->state == ObjectState::kUnknown) {
+      verdict.belief = "unknown";
+      if (!known) verdict.kind = Verdict::Kind::kUnknownRight;
+    }
+    if (object->state != ObjectState::kVerified) return verdict;
+    verdict.belief = object->Best()->model;
+    verdict.kind = Verdict::Kind::kWrong;
+    if (known && verdict.belief == thing.name) Measure(*object, thing, &verdict);
+    return verdict;
+  }
+
+  void Measure(const ObjectBelief& object, const sim::PlacedObject& thing, Verdict* verdict) {
+    const perception::Symmetry symmetry = perception::FindSymmetry(thing.mesh);
+    const Eigen::Vector3d center_M = geometry::Bounds(thing.mesh).center();
+    const world::ViewEvidence& evidence = VerifyingView(object);
+    const world::Observation& view = mission_.belief().views[evidence.view];
+    const Pose X_CM = truth_.ViewOf(view.frame.sequence).X_WC.inverse() * thing.X_WM;
+    const perception::PoseDistance error =
+        perception::DistanceUpToSymmetry(X_CM, evidence.hypothesis.X_CM, symmetry, center_M, true);
+    verdict->error_m = error.translation;
+    verdict->error_deg = error.rotation * kDegrees;
+    const bool right = error.translation <= config_.max_m && verdict->error_deg <= config_.max_deg;
+    verdict->kind = right ? Verdict::Kind::kRight : Verdict::Kind::kWrong;
+
+    const Pose& X_WM = object.Best()->X_WM;
+    const world::SupportPlane& plane_W = *mission_.belief().plane_W;
+    const double true_height = (thing.X_WM * center_M).z() - table_height_;
+    verdict->height_error_m = std::abs(plane_W.HeightOf(X_WM * center_M) - true_height);
+    // The tilt between the directions that "up" has in the model, by the truth and by the belief.
+    const Eigen::Vector3d up_true_M = thing.X_WM.linear().transpose() * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d up_M = X_WM.linear().transpose() * plane_W.normal_A;
+    double best = std::numbers::pi;
+    for (const perception::SymmetryMotion& motion : symmetry.motions) {
+      if (!motion.keeps_color) continue;
+      const double cosine = (motion.X_MS.linear() * up_M).dot(up_true_M);
+      best = std::min(best, std::acos(std::clamp(cosine, -1.0, 1.0)));
+    }
+    verdict->tilt_error_deg = best * kDegrees;
+  }
+
+  const Mission& mission_;
+  sim::GroundTruth truth_;
+  JudgeConfig config_;
+  double table_height_{};
+};
+
+}  // namespace
+
+const char* ToString(Verdict::Kind kind) {
+  switch (kind) {
+    case Verdict::Kind::kRight:
+      return "right";
+    case Verdict::Kind::kMissed:
+      return "missed";
+    case Verdict::Kind::kWrong:
+      return "wrong";
+    case Verdict::Kind::kUnknownRight:
+      return "unknown right";
+    case Verdict::Kind::kUnknownOpen:
+      return "unknown open";
+  }
+  return "missed";
+}
+
+std::vector<Verdict> Judge(const Mission& mission, const sim::World& world,
+                           const JudgeConfig& config) {
+  return Court(mission, world, config).Judge();
+}
+
+}  // namespace secondlook::apps

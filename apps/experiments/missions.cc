@@ -1,0 +1,171 @@
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/experiments/experiment.h"
+#include "apps/experiments/judge.h"
+#include "apps/experiments/random_scene.h"
+#include "apps/json_output.h"
+#include "apps/mission.h"
+#include "apps/report.h"
+#include "apps/run_config.h"
+#include "sim/sim_robot.h"
+
+namespace secondlook::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json OrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json ToJson(const Verdict& verdict) {
+  return {{"verdict", ToString(verdict.kind)},
+          {"truth", verdict.truth},
+          {"belief", verdict.belief},
+          {"object", verdict.object},
+          {"error_mm", OrNull(verdict.error_m * 1e3)},
+          {"error_deg", OrNull(verdict.error_deg)},
+          {"height_error_mm", OrNull(verdict.height_error_m * 1e3)},
+          {"tilt_error_deg", OrNull(verdict.tilt_error_deg)}};
+}
+
+const char* ToString(Progress progress) {
+  switch (progress) {
+    case Progress::kMore:
+      return "unfinished";
+    case Progress::kSettled:
+      return "settled";
+    case Progress::kBudgetSpent:
+      return "budget spent";
+    case Progress::kNoLook:
+      return "no look possible";
+    case Progress::kStopped:
+      return "stopped";
+  }
+  return "";
+}
+
+/// A mission takes at most so many steps, whatever its budget: the net under a hang.
+constexpr int kMaxSteps = 100;
+
+/// Runs one mission; with a `report` folder, leaves its scene and result there.
+Json RunTrial(const sim::Scene& scene, const ExperimentOptions& options,
+              const world::ObjectDatabase& database, std::uint64_t seed,
+              const std::filesystem::path& report) {
+  const std::clock_t begin = std::clock();
+  sim::SimulatedRobot simulated = sim::MakeSimulatedRobot(scene, {}, seed);
+  Mission mission(
+      {}, {}, database, simulated.calibration, seed, [] { return false; }, &simulated.robot);
+  Progress progress = Progress::kMore;
+  for (int step = 0; step < kMaxSteps && progress == Progress::kMore; ++step) {
+    progress = mission.Step();
+  }
+  Json trial;
+  trial["seed"] = seed;
+  trial["end"] = ToString(progress);
+  trial["looks"] = mission.record().looks.size();
+  trial["robot_seconds"] = mission.record().total_seconds;
+  trial["metres"] = mission.record().metres;
+  trial["collisions"] = simulated.world->collisions().size();
+  trial["processor_seconds"] = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  trial["verdicts"] = Json::array();
+  for (const Verdict& verdict : Judge(mission, *simulated.world)) {
+    trial["verdicts"].push_back(ToJson(verdict));
+  }
+  if (!report.empty()) {
+    sim::SaveScene(scene, report / "scene.yaml");
+    RunConfig config;
+    config.robot = sim::SimConfig{(report / "scene.yaml").string(), {}, "none"};
+    config.models = options.models;
+    config.seed = seed;
+    WriteReport(config, mission, report);
+    WriteJson(trial, (report / "trial.json").string());
+  }
+  return trial;
+}
+
+std::vector<Row> Summarise(const std::vector<Json>& trials) {
+  int known = 0;
+  int unknown = 0;
+  int right = 0;
+  int wrong = 0;
+  int unknown_right = 0;
+  int unfinished = 0;
+  int settled = 0;
+  int with_collision = 0;
+  std::vector<double> looks;
+  std::vector<double> seconds;
+  std::vector<double> metres;
+  std::vector<double> error_mm;
+  std::vector<double> error_deg;
+  std::vector<double> height_error_mm;
+  std::vector<double> tilt_error_deg;
+  for (const Json& trial : trials) {
+    for (const Json& v : trial["verdicts"]) {
+      const std::string kind = v["verdict"];
+      const bool is_unknown = kind == "unknown right" || kind == "unknown open";
+      if (is_unknown) ++unknown;
+      if (!is_unknown && v["truth"] != "") ++known;
+      if (kind == "right") ++right;
+      if (kind == "wrong") ++wrong;
+      if (kind == "unknown right") ++unknown_right;
+      if (kind != "right") continue;
+      error_mm.push_back(v["error_mm"]);
+      error_deg.push_back(v["error_deg"]);
+      height_error_mm.push_back(v["height_error_mm"]);
+      tilt_error_deg.push_back(v["tilt_error_deg"]);
+    }
+    const std::string end = trial["end"];
+    if (end == "unfinished") ++unfinished;
+    if (end == "settled") ++settled;
+    if (trial["collisions"] > 0) ++with_collision;
+    looks.push_back(trial["looks"]);
+    seconds.push_back(trial["robot_seconds"]);
+    metres.push_back(trial["metres"]);
+  }
+  const int count = static_cast<int>(trials.size());
+  return {{"known objects right", Proportion(right, known)},
+          {"verified wrongly, of all verified", Proportion(wrong, right + wrong)},
+          {"unknown objects called unknown", Proportion(unknown_right, unknown)},
+          {"missions with everything settled", Proportion(settled, count)},
+          {"missions with a collision", Proportion(with_collision, count)},
+          {"missions that hang", Proportion(unfinished, count)},
+          {"looks", Mean(looks)},
+          {"robot time [s]", Mean(seconds)},
+          {"driven [m]", Mean(metres)},
+          {"position error of right ones, camera frame [mm]", Mean(error_mm)},
+          {"rotation error of right ones, camera frame [deg]", Mean(error_deg)},
+          {"height error of right ones, plane frame [mm]", Mean(height_error_mm)},
+          {"tilt error of right ones, plane frame [deg]", Mean(tilt_error_deg)}};
+}
+
+}  // namespace
+
+void RunMissionsExperiment(const ExperimentOptions& options) {
+  spdlog::set_level(spdlog::level::warn);  // dozens of missions at once tell no one anything
+  const auto database = world::ObjectDatabase::Load(options.models);
+  const Repertoire repertoire = LoadRepertoire(options.models, options.unfamiliar);
+  std::optional<sim::Scene> fixed;
+  if (!options.scene.empty()) fixed = sim::LoadScene(options.scene);
+  RunTrials(
+      "missions", options,
+      [&](int t) {
+        const std::uint64_t seed = ForkSeed(options.seed, fmt::format("trial {}", t));
+        Rng rng(ForkSeed(seed, "scene"));
+        const sim::Scene scene = fixed ? *fixed : DrawScene(repertoire, &rng);
+        const std::filesystem::path report =
+            options.report.empty()
+                ? ""
+                : std::filesystem::path(options.report) / fmt::format("trial_{}", t);
+        Json result = RunTrial(scene, options, database, seed, report);
+        fmt::print(stderr, "trial {}: {}\n", t, result["end"].get<std::string>());
+        return result;
+      },
+      Summarise);
+}
+
+}  // namespace secondlook::apps

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lib/common/rng.h"
+#include "sim/scene.h"
+
+namespace secondlook::apps {
+
+/// Meshes that random scenes draw from.
+struct Repertoire {
+  std::vector<sim::SceneObject> known;    ///< Of the object database.
+  std::vector<sim::SceneObject> unknown;  ///< Of no database.
+};
+
+/// The objects in the model folder `models` as known, those in `unfamiliar` (may be "") as unknown.
+/// @throws ConfigError as ObjectDatabase::Load does.
+Repertoire LoadRepertoire(const std::string& models, const std::string& unfamiliar);
+
+/// A table with five to eight things, drawn without repetition, of which none to two are unknown
+/// (less often than not), at random places at least 3 cm apart and turned at random; up to two
+/// crates on the floor; the robot starts 1.5 to 2.2 m from the table's centre on any side, facing
+/// it within 15 degrees. Depends on `rng` alone.
+sim::Scene DrawScene(const Repertoire& repertoire, Rng* rng);
+
+}  // namespace secondlook::apps
