@@ -106,7 +106,9 @@ class Mission {
   std::vector<Eigen::Vector2d> blocked_W_;                  // where the base was stopped
   std::map<int, std::string> told_;                         // last logged reason, by object
   int searched_{};                                          // head poses tried in vain
-  int explored_{};                                          // looks at hidden space
+  int explored_{};                                          // looks at hidden space that got there
+  int vain_{};                                              // … and that did not
+  std::vector<Eigen::Vector3d> vain_views_W_;               // cameras of views that taught nothing
   Time start_;
   Progress progress_{Progress::kMore};
   MissionRecord record_;
