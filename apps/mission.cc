@@ -33,6 +33,8 @@ constexpr double kMinSupportShare = 0.3;
 /// … and below this support, no model fits at all.
 constexpr double kMinSupport = 0.15;
 constexpr std::size_t kMaxHypotheses = 4;
+/// So many looks at hidden space that never got there are enough.
+constexpr int kMaxVain = 3;
 
 /// The box around `box_W` and the model's own box at X_WM.
 void ExtendByModel(const geometry::Mesh& mesh, const Pose& X_WM, Eigen::AlignedBox3d* box_W) {
@@ -112,8 +114,10 @@ void Mission::RequireDepth(const Capture& capture) {
 void Mission::Understand(const Capture& capture) {
   Charge(config_.looks.understand_seconds);
   const std::string reason = scene_.Add(capture);
-  if (!reason.empty())
+  if (!reason.empty()) {
     spdlog::warn("nothing learned from frame {}: {}", capture.frame.sequence, reason);
+    vain_views_W_.push_back(capture.X_WC.translation());
+  }
   for (const ObjectBelief& object : belief().objects) {
     std::string& told = told_[object.id];
     if (told == object.reason) continue;
@@ -140,7 +144,7 @@ Mission::Question Mission::WhatIsOpen() const {
     (object.looks_taken < config_.looks.per_object ? question.open : question.spent)
         .push_back(&object);
   }
-  if (explored_ < config_.looks.at_hidden_space) {
+  if (explored_ < config_.looks.at_hidden_space && vain_ < kMaxVain) {
     question.hidden_W = planning::HiddenRegions(scene_.space(), *belief().plane_W, known_W,
                                                 config_.looks.hidden_space);
   }
@@ -252,6 +256,9 @@ planning::AspectTarget Mission::TargetFor(const ObjectBelief& object) const {
     const Pose& X_WC = belief().views[sighting.view].X_WC;
     target.seen_from_W.push_back((X_WC.translation() - object.extent_W.center()).normalized());
   }
+  for (const Vector3d& p : vain_views_W_) {
+    target.seen_from_W.push_back((p - object.extent_W.center()).normalized());
+  }
   return target;
 }
 
@@ -269,12 +276,13 @@ Progress Mission::Act(TakenLook taken) {
   const world::Look& look = taken.look;
   spdlog::info("look {} ({}): {}", record_.looks.size() + 1, look.kind, look.reason);
   if (look.kind == "search") ++searched_;
-  if (look.kind == "hidden_space") ++explored_;
   if (look.target >= 0) scene_.CountLook(look.target);
   const Time begin = robot_->clock->Now();
   const DriveOutcome outcome = MoveTo(look, stop_, robot_, &capturer_);
   record_.motion_seconds += SecondsSince(begin);
   record_.metres += outcome.metres;
+  const bool reached = outcome.kind == DriveOutcome::Kind::kReached;
+  if (look.kind == "hidden_space") ++(reached ? explored_ : vain_);
   taken.outcome = outcome.kind == DriveOutcome::Kind::kReached ? "reached" : outcome.reason;
   if (outcome.kind == DriveOutcome::Kind::kFailed) {
     spdlog::warn("look {}: {}", record_.looks.size() + 1, outcome.reason);

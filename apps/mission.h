@@ -108,7 +108,9 @@ class Mission {
   std::map<int, std::string> told_;                         // last logged reason, by object
   int blind_frames_{};                                      // without any depth, in a row
   int searched_{};                                          // head poses tried in vain
-  int explored_{};                                          // looks at hidden space
+  int explored_{};                                          // looks at hidden space that got there
+  int vain_{};                                              // … and that did not
+  std::vector<Eigen::Vector3d> vain_views_W_;               // cameras of views that taught nothing
   Time start_;
   Progress progress_{Progress::kMore};
   MissionRecord record_;

@@ -65,7 +65,7 @@ struct LookConfig {
   planning::AspectGraphConfig aspect_graph;
   planning::HiddenSpaceConfig hidden_space;
   int per_object = 4;               ///< After so many for its sake an object is left open.
-  int at_hidden_space = 2;          ///< Looks where something could stand unseen.
+  int at_hidden_space = 3;          ///< Looks where something could stand unseen.
   double hidden_worth = 0.3;        ///< Of such a look, against 1 for settling an object.
   double frame_timeout_s = 1.0;     ///< Waited for a frame …
   int frame_tries = 3;              ///< … so many times before the camera counts as lost; so many

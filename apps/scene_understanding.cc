@@ -11,6 +11,7 @@
 #include "lib/geometry/point_image.h"
 #include "lib/perception/explain.h"
 #include "lib/perception/refine.h"
+#include "lib/perception/turn_by_color.h"
 #include "lib/perception/verify.h"
 
 namespace secondlook::apps {
@@ -261,6 +262,7 @@ int SceneUnderstanding::MergedObject(const std::vector<int>& ids) {
     std::sort(whole.sightings.begin(), whole.sightings.end(),
               [](const auto& a, const auto& b) { return a.view < b.view; });
     whole.points_W = Thinned(std::move(whole.points_W), part.points_W, kPointSpacing_m);
+    std::erase_if(whole.hypotheses, [](const auto& h) { return h.evidence.empty(); });
     whole.looks_taken += part.looks_taken;
     const int id = part.id;
     part = {};
@@ -318,6 +320,9 @@ void SceneUnderstanding::CompleteEvidence(ObjectBelief* object) {
       const Pose X_CM = observation.X_WC.inverse() * h.X_WM;
       Pose refined = perception::RefinePose(model, X_CM, view, sighting.detection, kRefineRounds,
                                             &rasteriser_);
+      if (model.symmetry.axis && !model.symmetry.axis_keeps_color) {
+        refined = perception::PolishByColor(model, refined, view, sighting.detection);
+      }
       const double moved = (refined * model.center_M - X_CM * model.center_M).norm();
       if (moved > kMaxRefinement_m ||
           RotationDistance(refined.linear(), X_CM.linear()) > kMaxRefinement_rad) {

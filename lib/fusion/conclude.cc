@@ -30,9 +30,20 @@ double LogOdds(double score) {
   return std::log(bounded / (1.0 - bounded));
 }
 
-bool Accepted(const PoseHypothesis& hypothesis) {
+/// True when some view accepts the hypothesis with colours that agree by at least `min_color`.
+bool Accepted(const PoseHypothesis& hypothesis, double min_color) {
   return std::any_of(hypothesis.evidence.begin(), hypothesis.evidence.end(),
-                     [](const ViewEvidence& e) { return e.hypothesis.verification.accepted; });
+                     [&](const ViewEvidence& e) {
+                       const world::Verification& v = e.hypothesis.verification;
+                       return v.accepted && !(v.color_agreement < min_color);  // NaN: no colour
+                     });
+}
+
+/// Why no view has: of the last one.
+std::string WhyNotAccepted(const PoseHypothesis& hypothesis, double min_color) {
+  const world::Verification& v = hypothesis.evidence.back().hypothesis.verification;
+  if (!v.reason.empty()) return v.reason;
+  return fmt::format("its colours agree by {:.2f} (at least {:.2f})", v.color_agreement, min_color);
 }
 
 void Weigh(const ConcludeConfig& config, PoseHypothesis* h) {
@@ -91,7 +102,7 @@ world::MassFunction FuseViews(const ObjectBelief& object, const ConcludeConfig& 
 const PoseHypothesis* PoseRival(const ObjectBelief& object, const ConcludeConfig& config) {
   const PoseHypothesis& best = object.hypotheses.front();
   for (const PoseHypothesis& h : object.hypotheses) {
-    if (&h == &best || h.struck || h.model != best.model) continue;
+    if (&h == &best || h.struck || h.evidence.empty() || h.model != best.model) continue;
     if (Lead(config, best, h) < config.min_lead) return &h;
   }
   return nullptr;
@@ -165,9 +176,9 @@ void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_v
             ? fmt::format("several hypotheses: '{}' at {:.2f}, '{}' at {:.2f}; needs {:.2f}", c,
                           belief, second, NormalisedBelief(object->masses, second), needed)
             : fmt::format("low confidence: '{}' at {:.2f}; needs {:.2f}", c, belief, needed);
-  } else if (!Accepted(*best)) {
+  } else if (!Accepted(*best, config.min_color_agreement)) {
     object->reason = fmt::format("'{}' at {:.2f}, but no view has verified its pose: {}", c, belief,
-                                 best->evidence.back().hypothesis.verification.reason);
+                                 WhyNotAccepted(*best, config.min_color_agreement));
   } else if (rival != nullptr) {
     object->reason = fmt::format(
         "'{}' at {:.2f}, but its pose is open: two differ by {:.0f} deg "

@@ -15,7 +15,11 @@ struct ConcludeConfig {
   double max_unaccepted = 0.3;
   /// A second pose of the same model keeps the object open unless the best is ahead of it by this
   /// much (see Lead).
-  double min_lead = 1.5;
+  double min_lead = 3.0;
+  /// In some view the colours must agree this well (where there is colour): stricter than what a
+  /// single frame is asked for, as a mission can look again, and another look is cheaper than an
+  /// error.
+  double min_color_agreement = 0.78;
   /// Each view's masses are discounted by this (Shafer): views share errors.
   double view_reliability = 0.97;
   /// An object is unknown when at least this many views saw it …
@@ -29,6 +33,7 @@ struct ConcludeConfig {
     a->Visit("strike_score", &strike_score);
     a->Visit("max_unaccepted", &max_unaccepted);
     a->Visit("min_lead", &min_lead);
+    a->Visit("min_color_agreement", &min_color_agreement);
     a->Visit("view_reliability", &view_reliability);
     a->Visit("unknown_views", &unknown_views);
     a->Visit("unknown_ignorance", &unknown_ignorance);
@@ -52,8 +57,8 @@ double Lead(const ConcludeConfig& config, const world::PoseHypothesis& a,
 /// - A class counts in every view with what that view says of the class's best surviving
 ///   hypothesis; the masses of the views are combined by the transferable belief model.
 /// - Verified: the class has the confidence that the task asks for, the hypothesis was accepted in
-///   some view, and no other pose of the class comes near. Unknown: see ConcludeConfig. Otherwise
-///   the object stays a candidate, and the reason says what is open.
+///   some view with colours that agree well, and no other pose of the class comes near. Unknown:
+///   see ConcludeConfig. Otherwise the object stays a candidate, and the reason says what is open.
 void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
               world::ObjectBelief* object);
 

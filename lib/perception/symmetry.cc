@@ -75,7 +75,10 @@ std::vector<Eigen::Vector3f> Smooth(const geometry::KdTree& tree,
   return smooth;
 }
 
-std::vector<Axis> CandidateAxes(const std::vector<Eigen::Vector3f>& points) {
+/// Lines along the axes of M and the principal axes, through the middle of the bounding box and the
+/// mean of the surface. Hidden surfaces inside move the mean, a handle moves the box.
+std::vector<Axis> CandidateAxes(const std::vector<Eigen::Vector3f>& points,
+                                const Eigen::Vector3d& middle, double same_line) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3f& p : points) mean += p.cast<double>();
   mean /= static_cast<double>(points.size());
@@ -86,14 +89,17 @@ std::vector<Axis> CandidateAxes(const std::vector<Eigen::Vector3f>& points) {
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
   std::vector<Axis> axes;
-  const auto add = [&](const Eigen::Vector3d& direction) {
+  const auto add = [&](const Eigen::Vector3d& point, const Eigen::Vector3d& direction) {
     const bool known = std::any_of(axes.begin(), axes.end(), [&](const Axis& axis) {
-      return std::abs(axis.direction.dot(direction)) > std::cos(0.03);
+      return std::abs(axis.direction.dot(direction)) > std::cos(0.03) &&
+             (axis.point - point).cross(direction).norm() < same_line;
     });
-    if (!known) axes.push_back({mean, direction});
+    if (!known) axes.push_back({point, direction});
   };
-  for (int i = 0; i < 3; ++i) add(Eigen::Vector3d::Unit(i));
-  for (int i = 0; i < 3; ++i) add(eigen.eigenvectors().col(i));
+  for (const Eigen::Vector3d& point : {middle, mean}) {
+    for (int i = 0; i < 3; ++i) add(point, Eigen::Vector3d::Unit(i));
+    for (int i = 0; i < 3; ++i) add(point, eigen.eigenvectors().col(i));
+  }
   return axes;
 }
 
@@ -142,7 +148,8 @@ Symmetry FindSymmetry(const geometry::Mesh& mesh, const SymmetryOptions& options
 
   Symmetry symmetry;
   symmetry.motions.push_back({Pose::Identity(), true});
-  const std::vector<Axis> axes = CandidateAxes(dense);
+  const std::vector<Axis> axes =
+      CandidateAxes(dense, geometry::Bounds(mesh).center(), 0.01 * diameter);
   for (const Axis& axis : axes) {
     bool shape = true;
     bool color = true;
@@ -157,23 +164,36 @@ Symmetry FindSymmetry(const geometry::Mesh& mesh, const SymmetryOptions& options
     symmetry.axis_keeps_color = color;
     break;
   }
+  const auto add = [&](const Pose& X_MS) {
+    constexpr double kSameTurn = 0.15;  // [rad]
+    const bool known =
+        std::any_of(symmetry.motions.begin(), symmetry.motions.end(), [&](const SymmetryMotion& m) {
+          return RotationDistance(m.X_MS.linear(), X_MS.linear()) < kSameTurn;
+        });
+    if (known) return;
+    const Difference d = Compare(surface, probes, probe_colors, X_MS);
+    if (same_shape(d)) symmetry.motions.push_back({X_MS, same_color(d)});
+  };
   for (const Axis& axis : axes) {
     const bool along =
         symmetry.axis && std::abs(symmetry.axis->direction.dot(axis.direction)) > std::cos(0.1);
     if (along) continue;
     for (const int fold : {4, 3, 2}) {
-      const Difference first =
-          Compare(surface, probes, probe_colors, TurnAbout(axis, 2.0 * kPi / fold));
-      if (!same_shape(first)) continue;
-      for (int k = 1; k < fold; ++k) {
-        const Pose X_MS = TurnAbout(axis, 2.0 * kPi * k / fold);
-        const Difference d = Compare(surface, probes, probe_colors, X_MS);
-        if (same_shape(d)) symmetry.motions.push_back({X_MS, same_color(d)});
-      }
+      const Pose X_MS = TurnAbout(axis, 2.0 * kPi / fold);
+      if (!same_shape(Compare(surface, probes, probe_colors, X_MS))) continue;
+      for (int k = 1; k < fold; ++k) add(TurnAbout(axis, 2.0 * kPi * k / fold));
       break;
     }
     // Beside a continuous axis one flip makes the whole group.
-    if (symmetry.axis && symmetry.motions.size() > 1) break;
+    if (symmetry.axis && symmetry.motions.size() > 1) return symmetry;
+  }
+  // The products of two motions belong to the group: half turns about diagonals, for one.
+  constexpr std::size_t kMostMotions = 24;  // the rotations of a cube
+  for (std::size_t i = 1; i < symmetry.motions.size(); ++i) {
+    for (std::size_t k = 1; k <= i && symmetry.motions.size() < kMostMotions; ++k) {
+      const Pose X_product = symmetry.motions[i].X_MS * symmetry.motions[k].X_MS;
+      add(X_product);
+    }
   }
   return symmetry;
 }

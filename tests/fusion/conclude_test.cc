@@ -1,6 +1,7 @@
 #include "lib/fusion/conclude.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -17,6 +18,7 @@ world::ViewEvidence View(int view, double score, double visible_fraction = 0.8) 
   e.hypothesis.score = score;
   e.hypothesis.verification.visible = static_cast<int>(1000 * visible_fraction);
   e.hypothesis.verification.visible_fraction = visible_fraction;
+  e.hypothesis.verification.color_agreement = 0.9;
   e.hypothesis.verification.accepted = score > 0.5;
   e.hypothesis.verification.reason = score > 0.5 ? "" : "see-through 40 %";
   return e;
@@ -42,6 +44,18 @@ TEST(Conclude, VerifiesWhatOneViewIsSureOf) {
   const ObjectBelief object = Object({Hypothesis("mug", 0, {View(0, 0.97)})}, 1);
   EXPECT_EQ(object.state, ObjectState::kVerified) << object.reason;
   EXPECT_EQ(object.Best()->model, "mug");
+}
+
+TEST(Conclude, AsksForAnotherLookWhereTheColoursAgreePoorly) {
+  PoseHypothesis mug = Hypothesis("mug", 0, {View(0, 0.97)});
+  mug.evidence[0].hypothesis.verification.color_agreement = 0.7;
+  const ObjectBelief object = Object({mug}, 1);
+  EXPECT_EQ(object.state, ObjectState::kCandidate);
+  EXPECT_THAT(object.reason, testing::HasSubstr("its colours agree by 0.70 (at least 0.78)"));
+  // A camera without colour is not asked for it.
+  mug.evidence[0].hypothesis.verification.color_agreement =
+      std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(Object({mug}, 1).state, ObjectState::kVerified);
 }
 
 TEST(Conclude, LeavesLookAlikesOpenAndSaysWhichTwo) {

@@ -53,8 +53,7 @@ TEST(TakeExplained, TakesNothingMeasuredElsewhere) {
   const auto [depth, pixels] = Wall(10, 54);
   std::vector<world::Cluster> clusters{MakeCluster(pixels, depth, kCamera)};
   const geometry::Mesh box = geometry::MakeBox({0.5, 1.0, 0.2}, {1, 1, 1});
-  EXPECT_TRUE(
-      TakeExplained(box, InFront(0.26, 1.2), depth, kCamera, 50, &clusters).pixels.empty());
+  EXPECT_TRUE(TakeExplained(box, InFront(0.26, 1.2), depth, kCamera, 50, &clusters).pixels.empty());
   EXPECT_EQ(clusters[0].pixels, pixels);
 }
 
