@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "lib/common/error.h"
+#include "lib/fusion/dempster_shafer.h"
 #include "lib/planning/hidden_space.h"
 
 namespace secondlook::apps {
@@ -33,6 +34,8 @@ constexpr double kMinSupportShare = 0.3;
 /// … and below this support, no model fits at all.
 constexpr double kMinSupport = 0.15;
 constexpr std::size_t kMaxHypotheses = 4;
+/// A belief below this is none.
+constexpr double kNegligible = 0.02;
 /// So many looks at hidden space that never got there are enough.
 constexpr int kMaxVain = 3;
 
@@ -140,7 +143,7 @@ Mission::Question Mission::WhatIsOpen() const {
       ExtendByModel(model->mesh, best.X_WM, &box_W);
     }
     known_W.push_back(box_W);
-    if (object.Settled()) continue;
+    if (object.Settled() || !Matters(object)) continue;
     (object.looks_taken < config_.looks.per_object ? question.open : question.spent)
         .push_back(&object);
   }
@@ -149,6 +152,16 @@ Mission::Question Mission::WhatIsOpen() const {
                                                 config_.looks.hidden_space);
   }
   return question;
+}
+
+/// False when the task wants certain classes and the object is surely none of them.
+bool Mission::Matters(const ObjectBelief& object) const {
+  if (task_.wanted.empty()) return true;
+  double possible = fusion::NormalisedIgnorance(object.masses);
+  for (const auto& [c, confidence] : task_.wanted) {
+    possible += fusion::NormalisedBelief(object.masses, c);
+  }
+  return possible >= kNegligible;
 }
 
 std::optional<TakenLook> Mission::SearchForTable() {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <map>
 #include <utility>
 
 #include "lib/fusion/match.h"
@@ -11,6 +13,7 @@
 #include "lib/geometry/point_image.h"
 #include "lib/perception/explain.h"
 #include "lib/perception/refine.h"
+#include "lib/perception/rival_turns.h"
 #include "lib/perception/turn_by_color.h"
 #include "lib/perception/verify.h"
 
@@ -32,6 +35,9 @@ constexpr double kOnePose_rad = 0.087;
 constexpr double kMaxRefinement_m = 0.03;
 constexpr double kMaxRefinement_rad = 0.17;
 constexpr int kRefineRounds = 4;
+/// A verified pose is told from poses turned by so much: a little more than it may be off.
+constexpr double kRivalTurn_rad = 0.12;
+constexpr int kMaxTurnRounds = 5;
 /// How well views are registered to each other: what a single view's pose is worth in the map.
 constexpr double kViewSigma_m = 0.004;
 constexpr double kViewSigma_rad = 0.006;
@@ -306,6 +312,74 @@ void SceneUnderstanding::AddFreshHypotheses(int view, const world::Detection& de
   }
 }
 
+/// The pose of `model`, believed to stand at `X_WM`, as the view of `sighting` refines it.
+Pose SceneUnderstanding::RefinedIn(const world::Sighting& sighting,
+                                   const perception::RecognitionModel& model, const Pose& X_WM) {
+  const perception::View& view = views_[sighting.view];
+  const Pose X_CM = belief_.views[sighting.view].X_WC.inverse() * X_WM;
+  Pose refined =
+      perception::RefinePose(model, X_CM, view, sighting.detection, kRefineRounds, &rasteriser_);
+  if (model.symmetry.axis && !model.symmetry.axis_keeps_color) {
+    refined = perception::PolishByColor(model, refined, view, sighting.detection);
+  }
+  const double moved = (refined * model.center_M - X_CM * model.center_M).norm();
+  const bool another_pose = moved > kMaxRefinement_m ||
+                            RotationDistance(refined.linear(), X_CM.linear()) > kMaxRefinement_rad;
+  return another_pose ? X_CM : refined;
+}
+
+/// What the view of `sighting` says of `model` at X_CM.
+world::ViewEvidence SceneUnderstanding::Ask(const world::Sighting& sighting,
+                                            const perception::RecognitionModel& model,
+                                            const Pose& X_CM) {
+  const perception::View& view = views_[sighting.view];
+  const world::Cluster& cluster =
+      belief_.views[sighting.view].detections[sighting.detection].cluster;
+  world::ViewEvidence evidence{sighting.view, {model.name, X_CM, 0.0, {}}};
+  evidence.hypothesis.verification =
+      perception::Verify(model, X_CM, view, sighting.detection,
+                         perception::InnerPixels(view, sighting.detection, cluster),
+                         config_.recognise.verify, &rasteriser_, &evidence.hypothesis.score);
+  return evidence;
+}
+
+/// Is the pose of a verified object held by what was seen? Turned a little, or to where its shape
+/// is the same, it must fit worse in the views together. A turn that fits better takes its place;
+/// one that fits nearly as well is a hypothesis of its own, and the object is open again.
+void SceneUnderstanding::ExamineTurns(ObjectBelief* object) {
+  const perception::RecognitionModel& model = ModelOf(object->Best()->model);
+  const std::vector<Pose> turns = perception::RivalTurns(model, kRivalTurn_rad);
+  std::map<int, int> detection_in;  // by view
+  for (const world::Sighting& sighting : object->sightings) {
+    detection_in[sighting.view] = sighting.detection;
+  }
+  for (int round = 0; round < kMaxTurnRounds; ++round) {
+    PoseHypothesis& best = object->hypotheses.front();
+    PoseHypothesis rival;
+    double rival_lead = -std::numeric_limits<double>::infinity();
+    for (const Pose& X_MS : turns) {
+      PoseHypothesis turned;
+      turned.model = best.model;
+      for (const world::ViewEvidence& e : best.evidence) {
+        turned.evidence.push_back(
+            Ask({e.view, detection_in.at(e.view)}, model, e.hypothesis.X_CM * X_MS));
+      }
+      const double lead = fusion::Lead(config_.conclude, turned, best);
+      if (lead <= rival_lead) continue;
+      rival_lead = lead;
+      rival = std::move(turned);
+    }
+    if (rival_lead <= -config_.conclude.min_lead) return;
+    FusePose(&rival);
+    if (rival_lead <= 0.0) {
+      object->hypotheses.push_back(std::move(rival));
+      break;
+    }
+    best = std::move(rival);
+  }
+  fusion::Conclude(task_, config_.conclude, ClearViews(*object), object);
+}
+
 /// Asks every view that shows the object about every hypothesis that it was not asked about yet.
 void SceneUnderstanding::CompleteEvidence(ObjectBelief* object) {
   for (PoseHypothesis& h : object->hypotheses) {
@@ -315,26 +389,7 @@ void SceneUnderstanding::CompleteEvidence(ObjectBelief* object) {
       const bool asked = std::any_of(h.evidence.begin(), h.evidence.end(),
                                      [&](const auto& e) { return e.view == sighting.view; });
       if (asked) continue;
-      const perception::View& view = views_[sighting.view];
-      const world::Observation& observation = belief_.views[sighting.view];
-      const Pose X_CM = observation.X_WC.inverse() * h.X_WM;
-      Pose refined = perception::RefinePose(model, X_CM, view, sighting.detection, kRefineRounds,
-                                            &rasteriser_);
-      if (model.symmetry.axis && !model.symmetry.axis_keeps_color) {
-        refined = perception::PolishByColor(model, refined, view, sighting.detection);
-      }
-      const double moved = (refined * model.center_M - X_CM * model.center_M).norm();
-      if (moved > kMaxRefinement_m ||
-          RotationDistance(refined.linear(), X_CM.linear()) > kMaxRefinement_rad) {
-        refined = X_CM;
-      }
-      world::ViewEvidence evidence{sighting.view, {h.model, refined, 0.0, {}}};
-      evidence.hypothesis.verification = perception::Verify(
-          model, refined, view, sighting.detection,
-          perception::InnerPixels(view, sighting.detection,
-                                  observation.detections[sighting.detection].cluster),
-          config_.recognise.verify, &rasteriser_, &evidence.hypothesis.score);
-      h.evidence.push_back(std::move(evidence));
+      h.evidence.push_back(Ask(sighting, model, RefinedIn(sighting, model, h.X_WM)));
     }
     std::sort(h.evidence.begin(), h.evidence.end(),
               [](const auto& a, const auto& b) { return a.view < b.view; });
@@ -402,6 +457,8 @@ void SceneUnderstanding::Conclude(ObjectBelief* object) {
   const bool was_verified = object->state == ObjectState::kVerified;
   fusion::Conclude(task_, config_.conclude, ClearViews(*object), object);
   if (object->state != ObjectState::kVerified || was_verified) return;
+  ExamineTurns(object);
+  if (object->state != ObjectState::kVerified) return;
   const PoseHypothesis& best = *object->Best();
   reference_.AddModel(ModelOf(best.model).mesh, best.X_WM, kModelSigma_m);
 }

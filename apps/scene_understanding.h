@@ -58,6 +58,11 @@ class SceneUnderstanding {
   void AddSighting(int view, int detection, world::ObjectBelief* object);
   void AddFreshHypotheses(int view, const world::Detection& detection,
                           world::ObjectBelief* object) const;
+  Pose RefinedIn(const world::Sighting& sighting, const perception::RecognitionModel& model,
+                 const Pose& X_WM);
+  world::ViewEvidence Ask(const world::Sighting& sighting,
+                          const perception::RecognitionModel& model, const Pose& X_CM);
+  void ExamineTurns(world::ObjectBelief* object);
   void CompleteEvidence(world::ObjectBelief* object);
   void DropConverged(world::ObjectBelief* object) const;
   void FusePose(world::PoseHypothesis* hypothesis) const;

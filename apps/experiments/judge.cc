@@ -18,17 +18,6 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 /// A belief farther from a thing than this is about something else.
 constexpr double kSameThing_m = 0.08;
 
-/// The view in which the object's best hypothesis fits best.
-const world::ViewEvidence& VerifyingView(const ObjectBelief& object) {
-  const auto& evidence = object.Best()->evidence;
-  return *std::max_element(evidence.begin(), evidence.end(), [](const auto& a, const auto& b) {
-    const auto worth = [](const world::ViewEvidence& e) {
-      return (e.hypothesis.verification.accepted ? 1.0 : 0.0) + e.hypothesis.score;
-    };
-    return worth(a) < worth(b);
-  });
-}
-
 class Court {
  public:
   Court(const Mission& mission, const sim::World& world, const JudgeConfig& config)
@@ -111,7 +100,7 @@ class Court {
   void Measure(const ObjectBelief& object, const sim::PlacedObject& thing, Verdict* verdict) {
     const perception::Symmetry symmetry = perception::FindSymmetry(thing.mesh);
     const Eigen::Vector3d center_M = geometry::Bounds(thing.mesh).center();
-    const world::ViewEvidence& evidence = VerifyingView(object);
+    const world::ViewEvidence& evidence = *object.Best()->BestView();
     const world::Observation& view = mission_.belief().views[evidence.view];
     const Pose X_CM = truth_.ViewOf(view.frame.sequence).X_WC.inverse() * thing.X_WM;
     const perception::PoseDistance error =

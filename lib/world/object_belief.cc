@@ -1,5 +1,7 @@
 #include "lib/world/object_belief.h"
 
+#include <algorithm>
+
 namespace secondlook::world {
 
 const char* ToString(ObjectState state) {
@@ -18,6 +20,16 @@ const char* ToString(ObjectState state) {
       return "modelled";
   }
   return "candidate";
+}
+
+const ViewEvidence* PoseHypothesis::BestView() const {
+  const auto worse = [](const ViewEvidence& a, const ViewEvidence& b) {
+    const Verification& va = a.hypothesis.verification;
+    const Verification& vb = b.hypothesis.verification;
+    return va.accepted != vb.accepted ? vb.accepted : va.matching < vb.matching;
+  };
+  const auto best = std::max_element(evidence.begin(), evidence.end(), worse);
+  return best == evidence.end() ? nullptr : &*best;
 }
 
 }  // namespace secondlook::world

@@ -33,6 +33,10 @@ struct PoseHypothesis {
   double support{};                    ///< Of all views together, in [0, 1].
   bool struck{};                       ///< A view contradicts it: out of the question.
   std::string reason;                  ///< Which view struck it and why.
+
+  /// The view that shows it best: of those that accept it, or of all when none does, the one with
+  /// the most matching pixels. Null without evidence.
+  const ViewEvidence* BestView() const;
 };
 
 /// That a view shows a thing.

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "lib/common/pose.h"
+#include "lib/perception/recognition_model.h"
+
+namespace secondlook::perception {
+
+/// The motions X_MS of the model frame after which `model` could be taken for itself, and which a
+/// pose has to be told from before it counts as known: turns by +-`angle` [rad] about three axes
+/// through the centre, and the motions of its symmetry of shape that change its colour, those about
+/// a continuous axis in steps of 15 degrees. Motions that leave shape and colour unchanged are left
+/// out: nothing tells them apart, and nothing needs to.
+std::vector<Pose> RivalTurns(const RecognitionModel& model, double angle);
+
+}  // namespace secondlook::perception

@@ -1,0 +1,50 @@
+#include "lib/perception/rival_turns.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+namespace secondlook::perception {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+RecognitionModel Model(const geometry::Mesh& mesh) { return TrainModel({"thing", mesh, 1}); }
+
+double AngleOf(const Pose& turn) {
+  return RotationDistance(Eigen::Matrix3d::Identity(), turn.linear());
+}
+
+TEST(RivalTurns, TurnsAPlainBoxOnlyByTheSmallAngle) {
+  const auto turns =
+      RivalTurns(Model(geometry::MakeBox({0.1, 0.15, 0.2}, {0.5F, 0.5F, 0.5F})), 7.0 * kDegree);
+  EXPECT_EQ(turns.size(), 6U);
+  for (const Pose& turn : turns) EXPECT_NEAR(AngleOf(turn), 7.0 * kDegree, 1e-9);
+}
+
+TEST(RivalTurns, LeavesOutTurnsAboutTheAxisOfAPlainCan) {
+  const auto turns =
+      RivalTurns(Model(geometry::MakeCylinder(0.04, 0.11, 48, {0.5F, 0.5F, 0.5F})), 7.0 * kDegree);
+  EXPECT_EQ(turns.size(), 4U);
+  for (const Pose& turn : turns) {
+    EXPECT_LT(turn.linear()(2, 2), 1.0 - 1e-6) << "a turn about z changes nothing";
+  }
+}
+
+TEST(RivalTurns, TurnsAPrintedCanAllTheWayRound) {
+  geometry::Mesh can = geometry::MakeCylinder(0.04, 0.11, 48, {1.0F, 1.0F, 1.0F});
+  can.vertex_colors.clear();
+  for (const Eigen::Vector3f& v : can.vertices) {
+    can.vertex_colors.push_back(v.x() > 0.0F ? Eigen::Vector3f(1, 0, 0) : Eigen::Vector3f(0, 0, 1));
+  }
+  const auto turns = RivalTurns(Model(can), 7.0 * kDegree);
+  const bool half_turn = std::any_of(turns.begin(), turns.end(), [](const Pose& turn) {
+    return turn.linear()(2, 2) > 0.999 && AngleOf(turn) > 179.0 * kDegree;
+  });
+  EXPECT_TRUE(half_turn);
+  EXPECT_GE(turns.size(), 4U + 23U);
+}
+
+}  // namespace
+}  // namespace secondlook::perception
