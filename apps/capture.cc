@@ -1,5 +1,7 @@
 #include "apps/capture.h"
 
+#include <opencv2/core.hpp>
+
 namespace secondlook::apps {
 namespace {
 
@@ -8,6 +10,12 @@ constexpr Duration kKeep = Seconds(10);
 constexpr Duration kSettle = Seconds(0.05);
 
 }  // namespace
+
+double ShareWithDepth(const cv::Mat& depth) {
+  if (depth.empty()) return 0.0;
+  // A comparison with NaN is false.
+  return cv::countNonZero(depth > 0.0) / static_cast<double>(depth.total());
+}
 
 Capturer::Capturer(hal::Robot* robot, const kinematics::HeadCalibration& calibration)
     : robot_(robot), calibration_(calibration), X_WB_("X_WB", kKeep), X_BC_("X_BC", kKeep) {}

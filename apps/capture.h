@@ -16,6 +16,10 @@ struct Capture {
   Eigen::Vector3d p_CB_W{Eigen::Vector3d::Zero()};  ///< From the camera to the base's origin [m].
 };
 
+/// The share of pixels that were measured, in [0, 1]; 0 for an empty image.
+/// @param depth [height, width] CV_32FC1, z_C [m]; NaN = none.
+double ShareWithDepth(const cv::Mat& depth);
+
 /// Takes frames with the camera on the head and finds the camera's pose at the time of measurement
 /// from the histories of base and head.
 class Capturer {

@@ -18,6 +18,7 @@ int Run(int argc, char** argv) {
   app.set_version_flag("--version", "secondlook 0.1.0");
   app.require_subcommand(1);
   int status = kDone;
+  AddCheck(&app, &status);
   AddExperiment(&app, &status);
   AddModel(&app, &status);
   AddRecognise(&app, &status);

@@ -92,13 +92,26 @@ std::optional<Capture> Mission::Grab() {
   for (int i = 0; i < config_.looks.frame_tries; ++i) {
     if (stop_()) return std::nullopt;
     std::optional<Capture> capture = capturer_.Take(Seconds(config_.looks.frame_timeout_s));
-    if (capture) return capture;
+    if (!capture) continue;
+    RequireDepth(*capture);
+    return capture;
   }
   robot_->Stop();
   Throw<DeviceError>(
       "camera '{}': no frame in {} tries of {} s; check its cable and driver, or raise "
       "mission.looks.frame_timeout_s",
       robot_->head_camera->info().name, config_.looks.frame_tries, config_.looks.frame_timeout_s);
+}
+
+/// One frame without any depth may be a wall right ahead; several are a fault of the camera.
+void Mission::RequireDepth(const Capture& capture) {
+  blind_frames_ = ShareWithDepth(capture.frame.depth) > 0.0 ? 0 : blind_frames_ + 1;
+  if (blind_frames_ < config_.looks.frame_tries) return;
+  robot_->Stop();
+  Throw<DeviceError>(
+      "camera '{}': no usable depth in {} frames in a row; check its projector and driver, and "
+      "that nothing covers it",
+      robot_->head_camera->info().name, blind_frames_);
 }
 
 void Mission::Understand(const Capture& capture) {

@@ -81,6 +81,7 @@ class Mission {
   };
 
   std::optional<Capture> Grab();
+  void RequireDepth(const Capture& capture);
   void Understand(const Capture& capture);
   TakenLook ScoreLooks(const Question& question);
   Question WhatIsOpen() const;
@@ -107,6 +108,7 @@ class Mission {
   std::map<std::string, geometry::RayCaster> ray_casters_;  // by name of the model
   std::vector<Eigen::Vector2d> blocked_W_;                  // where the base was stopped
   std::map<int, std::string> told_;                         // last logged reason, by object
+  int blind_frames_{};                                      // without any depth, in a row
   int searched_{};                                          // head poses tried in vain
   int explored_{};                                          // looks at hidden space that got there
   int vain_{};                                              // … and that did not

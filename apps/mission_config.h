@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lib/common/error.h"
 #include "lib/fusion/conclude.h"
 #include "lib/perception/recognise.h"
 #include "lib/perception/register_view.h"
@@ -11,6 +12,11 @@
 #include "lib/world/voxel_space.h"
 
 namespace secondlook::apps {
+
+/// @throws ConfigError naming `name` when `value` is less than `least`.
+inline void RequireAtLeast(const char* name, double value, double least) {
+  if (!(value >= least)) Throw<ConfigError>("{} = {} must be at least {}", name, value, least);
+}
 
 /// How a view is understood: what SceneUnderstanding needs.
 struct UnderstandingConfig {
@@ -40,6 +46,16 @@ struct UnderstandingConfig {
     a->Visit("min_leftover_points", &min_leftover_points);
     a->Visit("clear_view_points", &clear_view_points);
   }
+
+  /// @throws ConfigError naming the value.
+  void Validate() const {
+    RequireAtLeast("depth_stride", depth_stride, 1);
+    RequireAtLeast("floor_clearance_m", floor_clearance_m, 0);
+    RequireAtLeast("footprint_cell_m", footprint_cell_m, 0.001);
+    RequireAtLeast("footprint_overlap", footprint_overlap, 0);
+    RequireAtLeast("min_leftover_points", min_leftover_points, 0);
+    RequireAtLeast("clear_view_points", clear_view_points, 0);
+  }
 };
 
 /// How looks are planned and taken: what Mission needs beside.
@@ -52,7 +68,8 @@ struct LookConfig {
   int at_hidden_space = 3;          ///< Looks where something could stand unseen.
   double hidden_worth = 0.3;        ///< Of such a look, against 1 for settling an object.
   double frame_timeout_s = 1.0;     ///< Waited for a frame …
-  int frame_tries = 3;              ///< … so many times before the camera counts as lost.
+  int frame_tries = 3;              ///< … so many times before the camera counts as lost; so many
+                                    ///< frames in a row without depth count as that, too.
   double blocked_radius_m = 0.25;   ///< Entered where the base was stopped by something unseen.
   double understand_seconds = 1.0;  ///< What understanding a frame is charged in simulation.
   double plan_seconds = 0.5;        ///< What choosing a look is charged in simulation.
@@ -71,6 +88,18 @@ struct LookConfig {
     a->Visit("blocked_radius_m", &blocked_radius_m);
     a->Visit("understand_seconds", &understand_seconds);
     a->Visit("plan_seconds", &plan_seconds);
+  }
+
+  /// @throws ConfigError naming the value.
+  void Validate() const {
+    RequireAtLeast("per_object", per_object, 0);
+    RequireAtLeast("at_hidden_space", at_hidden_space, 0);
+    RequireAtLeast("hidden_worth", hidden_worth, 0);
+    RequireAtLeast("frame_timeout_s", frame_timeout_s, 0);
+    RequireAtLeast("frame_tries", frame_tries, 1);
+    RequireAtLeast("blocked_radius_m", blocked_radius_m, 0);
+    RequireAtLeast("understand_seconds", understand_seconds, 0);
+    RequireAtLeast("plan_seconds", plan_seconds, 0);
   }
 };
 

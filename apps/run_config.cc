@@ -38,4 +38,16 @@ RunConfig LoadRunConfig(const fs::path& file, const std::vector<std::string>& ov
   return config;
 }
 
+void RequireKnownClasses(const world::Task& task, const world::ObjectDatabase& database) {
+  for (const auto& [name, confidence] : task.wanted) {
+    if (database.Find(name) != nullptr) continue;
+    std::string known;
+    for (const world::ObjectModel& model : database.models()) {
+      known += (known.empty() ? "" : ", ") + model.name;
+    }
+    Throw<ConfigError>("task.wanted names '{}', which is not in the object database; it holds {}",
+                       name, known);
+  }
+}
+
 }  // namespace secondlook::apps

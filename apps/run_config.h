@@ -8,6 +8,7 @@
 
 #include "apps/mission_config.h"
 #include "lib/common/error.h"
+#include "lib/world/object_database.h"
 #include "lib/world/task.h"
 #include "sim/sim_robot.h"
 
@@ -45,5 +46,8 @@ struct RunConfig {
 /// @throws ConfigError with the place of what is wrong.
 RunConfig LoadRunConfig(const std::filesystem::path& file,
                         const std::vector<std::string>& overrides);
+
+/// @throws ConfigError when `task` wants a class that is not in `database`, naming those that are.
+void RequireKnownClasses(const world::Task& task, const world::ObjectDatabase& database);
 
 }  // namespace secondlook::apps

@@ -52,6 +52,7 @@ int Run(const RunOptions& options) {
   if (!options.report.empty()) MakeWritableFolder(options.report);
   const ThreadLimit threads(config.threads);
   const auto database = world::ObjectDatabase::Load(config.models);
+  RequireKnownClasses(config.task, database);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
   CatchStopSignals();
   Mission mission(

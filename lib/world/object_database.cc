@@ -70,40 +70,6 @@ Metadata ReadMetadata(const fs::path& file) {
   return metadata;
 }
 
-ObjectModel ReadObject(const fs::path& folder) {
-  const fs::path file = folder / kMetadata;
-  const Metadata metadata = ReadMetadata(file);
-  if (metadata.name.empty() || metadata.mesh.empty()) {
-    Throw<ConfigError>("{}: name and mesh must both be given", file.string());
-  }
-  geometry::LengthUnit unit{};
-  try {
-    unit = geometry::ParseLengthUnit(metadata.unit);
-  } catch (const InvalidArgument& e) {
-    Throw<ConfigError>("{}: unit: {}", file.string(), e.what());
-  }
-  const std::uint64_t hash = HashOf(folder, metadata.mesh);
-  if (HexDigits(hash) != metadata.hash) {
-    Throw<ConfigError>(
-        "{}: the files of '{}' have hash {} but were added with {}: they have changed; remove the "
-        "model and add it anew",
-        file.string(), metadata.name, HexDigits(hash), metadata.hash);
-  }
-  return {metadata.name, geometry::LoadMesh(folder / metadata.mesh, unit), hash};
-}
-
-/// Sub-folders of `folder` that hold a model.yaml, by name.
-std::vector<fs::path> ObjectFolders(const fs::path& folder) {
-  std::vector<fs::path> folders;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && fs::exists(entry.path() / kMetadata)) {
-      folders.push_back(entry.path());
-    }
-  }
-  std::sort(folders.begin(), folders.end());
-  return folders;
-}
-
 void SortByName(std::vector<ObjectModel>* models) {
   std::sort(models->begin(), models->end(),
             [](const ObjectModel& a, const ObjectModel& b) { return a.name < b.name; });
@@ -132,6 +98,48 @@ void CheckName(const std::string& name) {
 
 }  // namespace
 
+std::vector<fs::path> ModelFolders(const fs::path& folder) {
+  if (!fs::is_directory(folder)) {
+    Throw<ConfigError>("{}: no such folder of models", folder.string());
+  }
+  std::vector<fs::path> folders;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory() && fs::exists(entry.path() / kMetadata)) {
+      folders.push_back(entry.path());
+    }
+  }
+  if (folders.empty()) {
+    Throw<ConfigError>(
+        "{}: no models: there is no sub-folder with a model.yaml; add one with 'secondlook model "
+        "add'",
+        folder.string());
+  }
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
+ObjectModel ReadModel(const fs::path& folder) {
+  const fs::path file = folder / kMetadata;
+  const Metadata metadata = ReadMetadata(file);
+  if (metadata.name.empty() || metadata.mesh.empty()) {
+    Throw<ConfigError>("{}: name and mesh must both be given", file.string());
+  }
+  geometry::LengthUnit unit{};
+  try {
+    unit = geometry::ParseLengthUnit(metadata.unit);
+  } catch (const InvalidArgument& e) {
+    Throw<ConfigError>("{}: unit: {}", file.string(), e.what());
+  }
+  const std::uint64_t hash = HashOf(folder, metadata.mesh);
+  if (HexDigits(hash) != metadata.hash) {
+    Throw<ConfigError>(
+        "{}: the files of '{}' have hash {} but were added with {}: they have changed; remove the "
+        "model and add it anew",
+        file.string(), metadata.name, HexDigits(hash), metadata.hash);
+  }
+  return {metadata.name, geometry::LoadMesh(folder / metadata.mesh, unit), hash};
+}
+
 ObjectDatabase::ObjectDatabase(std::vector<ObjectModel> models) : models_(std::move(models)) {
   SortByName(&models_);
   if (const std::string* name = SharedName(models_)) {
@@ -140,19 +148,8 @@ ObjectDatabase::ObjectDatabase(std::vector<ObjectModel> models) : models_(std::m
 }
 
 ObjectDatabase ObjectDatabase::Load(const fs::path& folder) {
-  if (!fs::is_directory(folder)) {
-    Throw<ConfigError>("{}: no such folder of models", folder.string());
-  }
   ObjectDatabase database;
-  for (const fs::path& object : ObjectFolders(folder)) {
-    database.models_.push_back(ReadObject(object));
-  }
-  if (database.models_.empty()) {
-    Throw<ConfigError>(
-        "{}: no models: there is no sub-folder with a model.yaml; add one with 'secondlook model "
-        "add'",
-        folder.string());
-  }
+  for (const fs::path& model : ModelFolders(folder)) database.models_.push_back(ReadModel(model));
   SortByName(&database.models_);
   if (const std::string* name = SharedName(database.models_)) {
     Throw<ConfigError>("{}: two objects are named '{}': remove one", folder.string(), *name);

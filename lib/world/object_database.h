@@ -16,6 +16,15 @@ struct ObjectModel {
   std::uint64_t hash{};  ///< Of the mesh, material and texture files; caches are keyed by it.
 };
 
+/// The sub-folders of `folder` that hold a model, by name.
+/// @throws ConfigError when the folder is missing or holds none.
+std::vector<std::filesystem::path> ModelFolders(const std::filesystem::path& folder);
+
+/// Reads the model in `folder`, one of ModelFolders().
+/// @throws ConfigError naming the file: format other than 1, a mesh that LoadMesh refuses, or a
+/// file that no longer has the hash it was added with.
+ObjectModel ReadModel(const std::filesystem::path& folder);
+
 /// The objects the robot knows. On disk: a folder with one sub-folder per object that holds
 /// `model.yaml` {format: 1, name, mesh, unit, hash} and the mesh file with what it refers to.
 class ObjectDatabase {
@@ -23,9 +32,7 @@ class ObjectDatabase {
   ObjectDatabase() = default;
 
   /// Reads every object of `folder`, in the order of their names.
-  /// @throws ConfigError naming the file: folder missing or without any object, format other than
-  /// 1, two objects of one name, a mesh that LoadMesh refuses, or a file that no longer has the
-  /// hash it was added with.
+  /// @throws ConfigError as ModelFolders and ReadModel do, and for two objects of one name.
   static ObjectDatabase Load(const std::filesystem::path& folder);
 
   /// A database of `models`, as tests use it. @throws InvalidArgument for two of one name.

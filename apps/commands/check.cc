@@ -1,0 +1,229 @@
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/capture.h"
+#include "apps/commands/commands.h"
+#include "apps/make_robot.h"
+#include "apps/run_config.h"
+#include "lib/common/error.h"
+#include "lib/world/object_database.h"
+#include "sim/scene.h"
+
+namespace secondlook::apps {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+struct CheckOptions {
+  std::string config;
+  std::vector<std::string> overrides;
+};
+
+/// Prints one line for each thing that was checked and remembers the worst.
+class Checklist {
+ public:
+  /// Prints what `check` returns, or what it throws. True when it did not throw.
+  bool Check(const std::string& thing, const std::function<std::string()>& check) {
+    try {
+      Print("ok", thing, check());
+      return true;
+    } catch (const ConfigError& error) {
+      input_wrong_ = true;
+      Print("WRONG", thing, error.what());
+    } catch (const InvalidArgument& error) {
+      input_wrong_ = true;
+      Print("WRONG", thing, error.what());
+    } catch (const Error& error) {
+      device_wrong_ = true;
+      Print("WRONG", thing, error.what());
+    }
+    return false;
+  }
+
+  int Status() const { return input_wrong_ ? kWrongInput : device_wrong_ ? kDeviceFailed : kDone; }
+
+ private:
+  static void Print(const char* verdict, const std::string& thing, const std::string& text) {
+    fmt::print("{:5}  {:12}  {}\n", verdict, thing, text);
+  }
+
+  bool input_wrong_{};
+  bool device_wrong_{};
+};
+
+std::string SizeOf(const geometry::Mesh& mesh) {
+  const Eigen::Vector3d size = geometry::Bounds(mesh).sizes();
+  return fmt::format("{:.3f} x {:.3f} x {:.3f} m, {} triangles", size.x(), size.y(), size.z(),
+                     mesh.triangles.size());
+}
+
+/// Every model by itself, so that one that is wrong does not hide the next. Empty when one is.
+std::optional<world::ObjectDatabase> CheckModels(const std::string& folder, Checklist* list) {
+  bool all = true;
+  std::vector<std::filesystem::path> objects;
+  all &= list->Check("models", [&] {
+    objects = world::ModelFolders(folder);
+    return fmt::format("{}: {} of them", folder, objects.size());
+  });
+  for (const std::filesystem::path& object : objects) {
+    all &= list->Check("model", [&] {
+      const world::ObjectModel model = world::ReadModel(object);
+      return fmt::format("'{}': {}", model.name, SizeOf(model.mesh));
+    });
+  }
+  if (!all) return std::nullopt;
+  std::optional<world::ObjectDatabase> database;
+  list->Check("names", [&] {
+    database = world::ObjectDatabase::Load(folder);
+    return std::string("no two models have the same");
+  });
+  return database;
+}
+
+/// @throws ConfigError for an object that is called known without being so.
+std::string CheckScene(const sim::SimConfig& config,
+                       const std::optional<world::ObjectDatabase>& database) {
+  const sim::Scene scene = sim::LoadScene(config.scene);
+  scene.Validate();
+  for (const sim::PlacedObject& object : sim::PlaceObjects(scene)) {
+    const bool missing = database && database->Find(object.name) == nullptr;
+    if (object.role == sim::Role::kKnown && missing) {
+      Throw<ConfigError>(
+          "{}: object '{}' has the role known, but no model has this name; add the model, or make "
+          "its role unknown",
+          config.scene, object.name);
+    }
+  }
+  return fmt::format("{}: {} objects", config.scene, scene.objects.size());
+}
+
+std::string CheckCalibration(const kinematics::HeadCalibration& calibration) {
+  if (!IsValid(calibration.X_BH0) || !IsValid(calibration.X_HC)) {
+    Throw<ConfigError>("X_BH0 or X_HC is no rigid transform; calibrate the head anew");
+  }
+  const Eigen::Vector3d p_BC = CameraInBase(calibration, {}).translation();
+  return fmt::format("the camera sits at ({:.3f}, {:.3f}, {:.3f}) m in the base when the head looks "
+                     "ahead",
+                     p_BC.x(), p_BC.y(), p_BC.z());
+}
+
+std::string CheckCamera(const hal::CameraInfo& info) {
+  info.model.Validate(("camera '" + info.name + "'").c_str());
+  if (!info.has_depth) {
+    Throw<ConfigError>("camera '{}': it has no depth, and a mission needs a camera with depth",
+                       info.name);
+  }
+  const auto angle = [](int pixels, double focal) {
+    return 2.0 * std::atan(0.5 * pixels / focal) * kDegrees;
+  };
+  return fmt::format("'{}': {} x {} pixels, {:.0f} x {:.0f} deg, depth from {} to {} m", info.name,
+                     info.model.width, info.model.height, angle(info.model.width, info.model.fx),
+                     angle(info.model.height, info.model.fy), info.min_depth, info.max_depth);
+}
+
+/// Waits for a frame as a mission would.
+std::string CheckFrame(const LookConfig& looks, hal::Camera* camera) {
+  const std::string& name = camera->info().name;
+  std::optional<hal::RgbdFrame> frame;
+  for (int i = 0; i < looks.frame_tries && !frame; ++i) {
+    frame = camera->Grab(Seconds(looks.frame_timeout_s));
+  }
+  if (!frame) {
+    Throw<DeviceError>("camera '{}': no frame in {} tries of {} s; check its cable and driver",
+                       name, looks.frame_tries, looks.frame_timeout_s);
+  }
+  const double share = ShareWithDepth(frame->depth);
+  if (share == 0.0) {
+    Throw<DeviceError>(
+        "camera '{}': no usable depth: no pixel of frame {} has any; check its projector and "
+        "driver, and that nothing covers it",
+        name, frame->sequence);
+  }
+  return fmt::format("'{}': frame {} came; {:.0f} % of its pixels have depth", name,
+                     frame->sequence, 100.0 * share);
+}
+
+std::string CheckHead(hal::PanTilt* head) {
+  const hal::PanTiltInfo& info = head->info();
+  const hal::PanTiltAngles now = head->State().angles;
+  const std::string limits = fmt::format(
+      "pan {:.0f} to {:.0f} deg, tilt {:.0f} to {:.0f} deg", info.lower.pan * kDegrees,
+      info.upper.pan * kDegrees, info.lower.tilt * kDegrees, info.upper.tilt * kDegrees);
+  if (!std::isfinite(now.pan) || !std::isfinite(now.tilt)) {
+    Throw<DeviceError>("pan-tilt '{}': its angles are not finite; reference it anew", info.name);
+  }
+  return fmt::format("'{}': at pan {:.1f}, tilt {:.1f} deg; limits: {}", info.name,
+                     now.pan * kDegrees, now.tilt * kDegrees, limits);
+}
+
+std::string CheckBase(hal::Base* base) {
+  const hal::BaseInfo& info = base->info();
+  const Pose2 X_WB = base->State().X_WB;
+  if (!std::isfinite(X_WB.x) || !std::isfinite(X_WB.y) || !std::isfinite(X_WB.yaw)) {
+    Throw<DeviceError>("base '{}': its pose is not finite; check localisation", info.name);
+  }
+  return fmt::format("'{}': at ({:.2f}, {:.2f}) m, {:.0f} deg in W; radius {} m, {} m/s", info.name,
+                     X_WB.x, X_WB.y, X_WB.yaw * kDegrees, info.radius, info.speed);
+}
+
+void CheckRobot(const RunConfig& config, Checklist* list) {
+  std::optional<ReadyRobot> ready;
+  const bool connected = list->Check("robot", [&] {
+    ready.emplace(MakeRobot(config.robot, config.seed));
+    return std::string(ready->world ? "simulated" : "connected");
+  });
+  if (!connected) return;
+  hal::Robot& robot = ready->robot;
+  list->Check("calibration", [&] { return CheckCalibration(ready->calibration); });
+  list->Check("camera", [&] { return CheckCamera(robot.head_camera->info()); });
+  list->Check("frame", [&] { return CheckFrame(config.mission.looks, robot.head_camera.get()); });
+  list->Check("pan-tilt", [&] { return CheckHead(robot.head.get()); });
+  list->Check("base", [&] { return CheckBase(robot.base.get()); });
+}
+
+int RunCheck(const CheckOptions& options) {
+  Checklist list;
+  RunConfig config;
+  const bool readable = list.Check("config", [&] {
+    config = LoadRunConfig(options.config, options.overrides);
+    return options.config;
+  });
+  if (!readable) return list.Status();
+  const std::optional<world::ObjectDatabase> database = CheckModels(config.models, &list);
+  if (database) {
+    list.Check("task", [&] {
+      RequireKnownClasses(config.task, *database);
+      return config.task.wanted.empty() ? std::string("everything on the table")
+                                        : fmt::format("{} classes", config.task.wanted.size());
+    });
+  }
+  if (const auto* sim = std::get_if<sim::SimConfig>(&config.robot)) {
+    if (!list.Check("scene", [&] { return CheckScene(*sim, database); })) return list.Status();
+  }
+  CheckRobot(config, &list);
+  return list.Status();
+}
+
+}  // namespace
+
+void AddCheck(CLI::App* app, int* status) {
+  CLI::App* check =
+      app->add_subcommand("check", "Checks config, models, calibration and devices; moves nothing");
+  const auto options = std::make_shared<CheckOptions>();  // outlives this function in the callback
+  check->add_option("--config", options->config, "Configuration, YAML")->required();
+  check
+      ->add_option("--set", options->overrides,
+                   "KEY=VALUE, over the configuration; may be repeated")
+      ->expected(1)
+      ->take_all();
+  check->callback([options, status] { *status = RunCheck(*options); });
+}
+
+}  // namespace secondlook::apps

@@ -1,0 +1,92 @@
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "lib/common/files.h"
+#include "tests/support/program.h"
+#include "tests/support/small_world.h"
+
+namespace secondlook {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::ProgramResult;
+using testing::RunProgram;
+
+class Check : public ::testing::Test {
+ protected:
+  ProgramResult Run(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"check", "--config", world_.config().string()};
+    for (const std::string& set : more) arguments.insert(arguments.end(), {"--set", set});
+    return RunProgram(arguments);
+  }
+
+  testing::SmallWorld world_;
+};
+
+TEST_F(Check, SaysOfEachThingThatItIsWell) {
+  const ProgramResult result = Run();
+  EXPECT_EQ(result.status, 0) << result.out;
+  EXPECT_THAT(result.out, Not(HasSubstr("WRONG")));
+  EXPECT_THAT(result.out, HasSubstr("'block': 0.100 x 0.150 x 0.200 m, 12 triangles"));
+  EXPECT_THAT(result.out, ContainsRegex("ok +scene +.*scene.yaml: 1 objects"));
+  EXPECT_THAT(result.out, HasSubstr("the camera sits at (0.000, 0.000, 1.250) m in the base"));
+  EXPECT_THAT(result.out, HasSubstr("'head': 640 x 480 pixels, 58 x 45 deg, depth from 0.5 to 6 m"));
+  EXPECT_THAT(result.out, ContainsRegex("ok +frame +'head': frame 1 came; [1-9][0-9]* % of its"));
+  EXPECT_THAT(result.out, ContainsRegex("ok +pan-tilt +'head': at pan "));
+  EXPECT_THAT(result.out, ContainsRegex("ok +base +'base': at \\("));
+}
+
+TEST_F(Check, GoesOnAfterTheFirstFaultAndListsAll) {
+  // One model changed behind the database's back, one with a mesh that is none.
+  std::filesystem::copy(world_.models() / "block", world_.models() / "another",
+                        std::filesystem::copy_options::recursive);
+  WriteFile(world_.models() / "another" / "mesh.obj", "changed\n");
+  WriteFile(world_.models() / "broken" / "model.yaml", "format: 7\n");
+  const ProgramResult result = Run({"robot.camera_fault=nan"});
+  EXPECT_EQ(result.status, 2) << "wrong input weighs more than a device";
+  EXPECT_THAT(result.out, ContainsRegex("WRONG +model +.*another.*they have changed; remove the"));
+  EXPECT_THAT(result.out, ContainsRegex("WRONG +model +.*broken.*format 7; this program reads"));
+  EXPECT_THAT(result.out, ContainsRegex("ok +model +'block'"));
+  EXPECT_THAT(result.out, ContainsRegex("WRONG +frame +camera 'head': no usable depth"));
+  EXPECT_THAT(result.out, ContainsRegex("ok +base"));
+}
+
+TEST_F(Check, TellsADeviceThatFailsFromWrongInput) {
+  const ProgramResult nan = Run({"robot.camera_fault=nan"});
+  EXPECT_EQ(nan.status, 3);
+  EXPECT_THAT(nan.out, HasSubstr("no pixel of frame 1 has any; check its projector and driver"));
+  const ProgramResult nothing = Run({"robot.camera_fault=nothing"});
+  EXPECT_EQ(nothing.status, 3);
+  EXPECT_THAT(nothing.out, HasSubstr("camera 'head': no frame in 3 tries of 1 s"));
+  const ProgramResult lost = Run({"robot.camera_fault=lost"});
+  EXPECT_EQ(lost.status, 3);
+  EXPECT_THAT(lost.out, HasSubstr("camera 'head': the device is lost"));
+}
+
+TEST_F(Check, FindsAConfigurationThatCannotBeRead) {
+  const ProgramResult result = Run({"task.confidence=2"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.out, ContainsRegex("WRONG +config +--set task.confidence=2: "));
+}
+
+TEST_F(Check, FindsAnObjectThatIsCalledKnownAndIsNot) {
+  WriteFile(world_ / "scene.yaml",
+            "table: {}\nobjects:\n  - {mesh: mesh/mesh.obj, name: brick, position: [0, 0]}\n");
+  const ProgramResult result = Run();
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.out, HasSubstr("object 'brick' has the role known, but no model has this"));
+}
+
+TEST_F(Check, FindsAWantedClassThatNobodyKnows) {
+  const ProgramResult result = Run({"task.wanted.unicorn=0.9"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.out, ContainsRegex("WRONG +task +task.wanted names 'unicorn'"));
+}
+
+}  // namespace
+}  // namespace secondlook
