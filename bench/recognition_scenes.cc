@@ -18,7 +18,6 @@
 #include <fmt/format.h>
 
 #include "lib/common/rng.h"
-#include "lib/perception/point_match.h"
 #include "lib/perception/recognise.h"
 #include "lib/perception/segment.h"
 #include "lib/world/object_database.h"
@@ -74,26 +73,6 @@ class Bench {
       : database_(world::ObjectDatabase::Load(models)) {
     const double start = CpuSeconds();
     trained_ = perception::TrainModels(database_);
-    if (std::getenv("SHOW")) {
-      for (const RecognitionModel& m : trained_) {
-        const Eigen::Vector3d size = geometry::Bounds(m.mesh).sizes();
-        fmt::print(
-            "{:14} {:.3f} x {:.3f} x {:.3f} tri {} ppf {} / {} rest {} axis {} keeps {} motions",
-            m.name, size.x(), size.y(), size.z(), m.mesh.triangles.size(), m.ppf.points.size(),
-            m.ppf.entries.size(), m.resting_M.size(),
-            m.symmetry.axis
-                ? fmt::format("({:.2f} {:.2f} {:.2f})", m.symmetry.axis->direction.x(),
-                              m.symmetry.axis->direction.y(), m.symmetry.axis->direction.z())
-                : "-",
-            m.symmetry.axis_keeps_color);
-        for (auto& x : m.symmetry.motions) {
-          Eigen::AngleAxisd a(x.X_MS.linear());
-          fmt::print(" {:.0f}({:.1f} {:.1f} {:.1f}){}", a.angle() * 57.3, a.axis().x(),
-                     a.axis().y(), a.axis().z(), x.keeps_color ? "c" : "");
-        }
-        fmt::print("\n");
-      }
-    }
     fmt::print("training: {:.3f} s of processor time a model\n",
                (CpuSeconds() - start) / static_cast<double>(trained_.size()));
     const bool strangers = std::filesystem::exists(unfamiliar);
@@ -131,7 +110,6 @@ class Bench {
     const cv::Mat depth = sim::DepthNoise(clean, camera, {}, {}, &rng);
     const cv::Mat color = sim::ColorNoise(clean, {}, &rng);
 
-    const double start = CpuSeconds();
     const Eigen::Vector3d up_C = X_WC.linear().transpose() * Eigen::Vector3d::UnitZ();
     const perception::SegmentConfig segment_config;
     const auto segmentation =
@@ -147,43 +125,12 @@ class Bench {
     const auto detections = perception::Recognise(view, segmentation.clusters, trained_, config);
     const auto choices = perception::ChooseHypotheses(detections, config);
     totals->seconds += CpuSeconds() - segmented;
-    if (std::getenv("TRUTH")) Truth(seed, things, clean, X_WC, view, detections);
     totals->clusters += static_cast<int>(detections.size());
-    static_cast<void>(start);
 
     Judge(seed, things, clean, renderer, X_WC, detections, choices, totals, features);
   }
 
  private:
-  /// Prints what verification and the points say of the true pose.
-  void Truth(std::uint64_t seed, const std::vector<Thing>& things, const sim::Render& clean,
-             const Pose& X_WC, const perception::View& view,
-             const std::vector<world::Detection>& detections) {
-    for (std::size_t c = 0; c < detections.size(); ++c) {
-      const auto& pixels = detections[c].cluster.pixels;
-      const int middle = pixels[pixels.size() / 2];
-      const int id = clean.id.at<std::uint16_t>(middle / 640, middle % 640);
-      if (id < 1 || id > static_cast<int>(things.size())) continue;
-      const Thing& t = things[static_cast<std::size_t>(id - 1)];
-      if (t.model < 0) continue;
-      const RecognitionModel& model = trained_[static_cast<std::size_t>(t.model)];
-      geometry::DepthRasteriser rasteriser;
-      double score = 0.0;
-      const Pose X = X_WC.inverse() * t.X_WM;
-      const auto match = perception::MatchPoints(model, X, view, static_cast<int>(c),
-                                                 static_cast<int>(pixels.size()), 300);
-      const int inner = perception::InnerPixels(view, static_cast<int>(c), detections[c].cluster);
-      const auto v =
-          perception::Verify(model, X, view, static_cast<int>(c), inner, {}, &rasteriser, &score);
-      fmt::print(
-          "T ({}, {}) {}: px {} points q {:.2f}; m {:.2f} st {:.2f} vis {} vf {:.2f} N_c {} "
-          "q {:.2f} c {:.2f} {}\n",
-          seed, c, t.name, pixels.size(), match.quality, 1.0 * v.matching / v.visible,
-          1.0 * v.see_through / v.visible, v.visible, v.visible_fraction, v.cluster, v.quality,
-          v.color_agreement, v.reason);
-    }
-  }
-
   std::vector<Thing> Place(sim::Renderer* renderer, Rng* rng) {
     std::vector<Thing> things;
     for (int tries = 0; tries < 200 && things.size() < 7; ++tries) {
@@ -235,7 +182,7 @@ class Bench {
       }
       thing_of.push_back(best >= 1 && best <= static_cast<int>(things.size()) ? best - 1 : -1);
     }
-    const auto ErrorOf = [&](int thing, const world::Hypothesis& h) -> std::string {
+    const auto error_of = [&](int thing, const world::Hypothesis& h) -> std::string {
       if (thing < 0) return "-";
       const Thing& t = things[static_cast<std::size_t>(thing)];
       if (t.model < 0 || t.name != h.model) return "-";
@@ -265,7 +212,7 @@ class Bench {
               correct(thing_of[c], hypotheses[k]) ? 1 : 0, v.accepted ? 1 : 0, v.rendered,
               v.visible, v.matching, v.see_through, v.cluster, v.quality, v.color_agreement,
               hypotheses[k].score, static_cast<int>(k) == choices[c].hypothesis ? 1 : 0,
-              ErrorOf(thing_of[c], hypotheses[k]), v.reason);
+              error_of(thing_of[c], hypotheses[k]), v.reason);
         }
       }
       if (choices[c].hypothesis < 0) continue;

@@ -63,7 +63,7 @@ std::vector<Hypothesis> Examine(const RecognitionModel& model,
   std::vector<Hypothesis> hypotheses;
   for (const PoseGuess& guess : guesses) {
     const Pose X_refined = RefinePose(model, guess.X_CM, view, label, 4, &rasteriser);
-    for (const Pose& X_CM : TurnByColor(model, X_refined, view, label, 3)) {
+    for (const Pose& X_CM : TurnByColor(model, X_refined, view, label, 4)) {
       Hypothesis hypothesis;
       hypothesis.model = model.name;
       hypothesis.X_CM = X_CM;
@@ -97,7 +97,7 @@ std::vector<Hypothesis> Examine(const RecognitionModel& model,
 }
 
 double LogOdds(double score) {
-  const double bounded = std::clamp(score, 1e-12, 1.0 - 1e-12);
+  const double bounded = std::clamp(score, 1e-15, 1.0 - 1e-15);
   return std::log(bounded / (1.0 - bounded));
 }
 

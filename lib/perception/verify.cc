@@ -278,7 +278,12 @@ double ScoreOf(const world::Verification& v, double explained) {
   const double matching = 1.0 * v.matching / v.visible;
   const double through = 1.0 * v.see_through / v.visible;
   double odds = 14.0 * (matching - 0.85) + 8.0 * (explained - 0.85) - 12.0 * through;
-  if (!std::isnan(v.color_agreement)) odds += 30.0 * (v.color_agreement - 0.5);
+  if (!std::isnan(v.color_agreement)) {
+    // Colour speaks by the patches it is seen in, of about 7 x 7 pixels.
+    const double weight = std::clamp(v.matching / 50.0, 25.0, 45.0);
+    odds += weight * (v.color_agreement - 0.45);
+  }
+  if (!v.accepted) odds -= 2.0;
   return 1.0 / (1.0 + std::exp(-odds));
 }
 
