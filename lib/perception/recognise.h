@@ -16,7 +16,7 @@ struct RecogniseConfig {
   int guesses_per_model = 4;      ///< Poses of one model that are refined.
   int hypotheses_per_model = 3;   ///< That are handed on, with their verification.
   double min_guess_share = 0.45;  ///< A guess below this share of the cluster's best is dropped.
-  double min_score = 0.4;         ///< Of a hypothesis that is chosen.
+  double min_score = 0.9;         ///< Of a hypothesis that is chosen.
   /// How far ahead of every rival the best hypothesis must be to be verified: difference of the
   /// log-odds of the scores.
   double min_lead = 1.0;

@@ -55,9 +55,10 @@ int InnerPixels(const View& view, int label, const world::Cluster& cluster);
 /// Probability-like support, in [0, 1], that model and pose are right: the logistic function of
 /// 14 (m - 0.85) + 8 (e - 0.85) - 12 t + w (c - 0.45), less 2
 /// where a check failed, with the shares of the visible pixels that
-/// match (m) and that are seen through (t), the explained share of the cluster (e) and the agreement
-/// of the colours (c; without colour that term is left out). The weight w grows with the matching
-/// pixels, from 25 to 45: a small difference in a large print decides, one in a few pixels does not.
+/// match (m) and that are seen through (t), the explained share of the cluster (e) and the
+/// agreement of the colours (c; without colour that term is left out). The weight w grows with the
+/// matching pixels, from 25 to 45: a small difference in a large print decides, one in a few pixels
+/// does not.
 double ScoreOf(const world::Verification& verification, double explained);
 
 }  // namespace secondlook::perception
