@@ -22,8 +22,8 @@ using testing::RunProgram;
 /// The mission.json of a process of its own.
 std::string ProgramJson(const TemporaryFolder& folder, const std::string& threads) {
   const std::string report = (folder / ("report_" + threads)).string();
-  const ProgramResult result = RunProgram({"run", "--config", "config/sim.yaml", "--report", report,
-                                           "--set", "threads=" + threads});
+  const ProgramResult result = RunProgram(
+      {"run", "--config", "config/sim.yaml", "--report", report, "--set", "threads=" + threads});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("the result lies in " + report));
   EXPECT_TRUE(std::filesystem::exists(report + "/view_0.png"));
@@ -57,8 +57,7 @@ TEST(StopSignal, InTheMidstOfAMissionFinishesTheFiles) {
   const TemporaryFolder folder;
   const std::string report = (folder / "report").string();
   const ProgramResult result =
-      RunProgram({"run", "--config", "config/sim.yaml", "--report", report},
-                 {"look 2 (", SIGTERM});
+      RunProgram({"run", "--config", "config/sim.yaml", "--report", report}, {"look 2 (", SIGTERM});
   EXPECT_EQ(result.status, 143) << result.err;
   const auto mission = nlohmann::json::parse(ReadFile(report + "/mission.json"));
   EXPECT_EQ(mission["end"], "stopped on request");
@@ -70,8 +69,8 @@ TEST(StopSignal, InTheMidstOfAMissionFinishesTheFiles) {
 TEST(Budget, ThatIsSpentEndsWithStatusFour) {
   const TemporaryFolder folder;
   const std::string report = (folder / "report").string();
-  const ProgramResult result = RunProgram({"run", "--config", "config/sim.yaml", "--report", report,
-                                           "--set", "task.budget.looks=0"});
+  const ProgramResult result = RunProgram(
+      {"run", "--config", "config/sim.yaml", "--report", report, "--set", "task.budget.looks=0"});
   EXPECT_EQ(result.status, 4) << result.err;
   const auto mission = nlohmann::json::parse(ReadFile(report + "/mission.json"));
   EXPECT_EQ(mission["end"], "the budget of 0 looks is spent");

@@ -70,8 +70,8 @@ void ExpectObjectKeys(const json& object) {
     EXPECT_TRUE(hypothesis["struck"].is_boolean());
     EXPECT_TRUE(hypothesis["reason"].is_string());
     for (const json& evidence : hypothesis["evidence"]) {
-      for (const char* key : {"view", "score", "quality", "visible", "visible_fraction",
-                              "matching", "see_through"}) {
+      for (const char* key :
+           {"view", "score", "quality", "visible", "visible_fraction", "matching", "see_through"}) {
         EXPECT_TRUE(evidence[key].is_number()) << key;
       }
       EXPECT_TRUE(evidence["color_agreement"].is_number() || evidence["color_agreement"].is_null());
