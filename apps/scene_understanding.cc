@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -356,22 +355,26 @@ void SceneUnderstanding::ExamineTurns(ObjectBelief* object) {
   for (int round = 0; round < kMaxTurnRounds; ++round) {
     PoseHypothesis& best = object->hypotheses.front();
     PoseHypothesis rival;
-    double rival_lead = -std::numeric_limits<double>::infinity();
+    double rival_margin = 0.0;  // how much of the lead it needs `best` lacks over it
+    bool better = false;
     for (const Pose& X_MS : turns) {
       PoseHypothesis turned;
       turned.model = best.model;
+      turned.X_WM = best.X_WM * X_MS;
       for (const world::ViewEvidence& e : best.evidence) {
         turned.evidence.push_back(
             Ask({e.view, detection_in.at(e.view)}, model, e.hypothesis.X_CM * X_MS));
       }
-      const double lead = fusion::Lead(config_.conclude, turned, best);
-      if (lead <= rival_lead) continue;
-      rival_lead = lead;
+      const double lead = fusion::Lead(config_.conclude, best, turned);
+      const double margin = fusion::NeededLead(config_.conclude, best, turned) - lead;
+      if (margin <= rival_margin) continue;
+      rival_margin = margin;
       rival = std::move(turned);
+      better = lead < 0.0;
     }
-    if (rival_lead <= -config_.conclude.min_lead) return;
+    if (rival_margin <= 0.0) break;
     FusePose(&rival);
-    if (rival_lead <= 0.0) {
+    if (!better) {
       object->hypotheses.push_back(std::move(rival));
       break;
     }

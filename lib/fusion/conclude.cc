@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <vector>
 
@@ -17,6 +18,8 @@ using world::ObjectBelief;
 using world::ObjectState;
 using world::PoseHypothesis;
 using world::ViewEvidence;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// The support that a view gives to a hypothesis.
 double SupportOf(const ViewEvidence& evidence, const ConcludeConfig& config) {
@@ -103,7 +106,7 @@ const PoseHypothesis* PoseRival(const ObjectBelief& object, const ConcludeConfig
   const PoseHypothesis& best = object.hypotheses.front();
   for (const PoseHypothesis& h : object.hypotheses) {
     if (&h == &best || h.struck || h.evidence.empty() || h.model != best.model) continue;
-    if (Lead(config, best, h) < config.min_lead) return &h;
+    if (Lead(config, best, h) < NeededLead(config, best, h)) return &h;
   }
   return nullptr;
 }
@@ -119,6 +122,12 @@ double Lead(const ConcludeConfig& config, const PoseHypothesis& a, const PoseHyp
     }
   }
   return lead;
+}
+
+double NeededLead(const ConcludeConfig& config, const PoseHypothesis& best,
+                  const PoseHypothesis& other) {
+  const double angle = RotationDistance(best.X_WM.linear(), other.X_WM.linear());
+  return angle * kDegrees < config.near_deg ? config.min_near_lead : config.min_lead;
 }
 
 void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
@@ -183,7 +192,7 @@ void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_v
     object->reason = fmt::format(
         "'{}' at {:.2f}, but its pose is open: two differ by {:.0f} deg "
         "and fit {:.2f} and {:.2f}",
-        c, belief, RotationDistance(best->X_WM.linear(), rival->X_WM.linear()) * 57.29577951308232,
+        c, belief, RotationDistance(best->X_WM.linear(), rival->X_WM.linear()) * kDegrees,
         best->support, rival->support);
   } else {
     object->state = ObjectState::kVerified;

@@ -16,6 +16,10 @@ struct ConcludeConfig {
   /// A second pose of the same model keeps the object open unless the best is ahead of it by this
   /// much (see Lead).
   double min_lead = 3.0;
+  /// A pose turned by less than `near_deg` is half way to being the same, so it needs to be told
+  /// from the best by less.
+  double near_deg = 12.0;
+  double min_near_lead = 1.5;
   /// In some view the colours must agree this well (where there is colour): stricter than what a
   /// single frame is asked for, as a mission can look again, and another look is cheaper than an
   /// error.
@@ -33,6 +37,8 @@ struct ConcludeConfig {
     a->Visit("strike_score", &strike_score);
     a->Visit("max_unaccepted", &max_unaccepted);
     a->Visit("min_lead", &min_lead);
+    a->Visit("near_deg", &near_deg);
+    a->Visit("min_near_lead", &min_near_lead);
     a->Visit("min_color_agreement", &min_color_agreement);
     a->Visit("view_reliability", &view_reliability);
     a->Visit("unknown_views", &unknown_views);
@@ -44,6 +50,10 @@ struct ConcludeConfig {
 /// over the views that were asked about both. Positive: `a` is the better one.
 double Lead(const ConcludeConfig& config, const world::PoseHypothesis& a,
             const world::PoseHypothesis& b);
+
+/// The lead that `best` needs over `other`, another pose of the same model.
+double NeededLead(const ConcludeConfig& config, const world::PoseHypothesis& best,
+                  const world::PoseHypothesis& other);
 
 /// Draws the conclusion from the evidence in `object->hypotheses`: sets
 /// every hypothesis's support, struck and reason, their order, the object's
