@@ -109,9 +109,10 @@ std::string CheckCalibration(const kinematics::HeadCalibration& calibration) {
     Throw<ConfigError>("X_BH0 or X_HC is no rigid transform; calibrate the head anew");
   }
   const Eigen::Vector3d p_BC = CameraInBase(calibration, {}).translation();
-  return fmt::format("the camera sits at ({:.3f}, {:.3f}, {:.3f}) m in the base when the head looks "
-                     "ahead",
-                     p_BC.x(), p_BC.y(), p_BC.z());
+  return fmt::format(
+      "the camera sits at ({:.3f}, {:.3f}, {:.3f}) m in the base when the head looks "
+      "ahead",
+      p_BC.x(), p_BC.y(), p_BC.z());
 }
 
 std::string CheckCamera(const hal::CameraInfo& info) {
@@ -153,9 +154,9 @@ std::string CheckFrame(const LookConfig& looks, hal::Camera* camera) {
 std::string CheckHead(hal::PanTilt* head) {
   const hal::PanTiltInfo& info = head->info();
   const hal::PanTiltAngles now = head->State().angles;
-  const std::string limits = fmt::format(
-      "pan {:.0f} to {:.0f} deg, tilt {:.0f} to {:.0f} deg", info.lower.pan * kDegrees,
-      info.upper.pan * kDegrees, info.lower.tilt * kDegrees, info.upper.tilt * kDegrees);
+  const std::string limits = fmt::format("pan {:.0f} to {:.0f} deg, tilt {:.0f} to {:.0f} deg",
+                                         info.lower.pan * kDegrees, info.upper.pan * kDegrees,
+                                         info.lower.tilt * kDegrees, info.upper.tilt * kDegrees);
   if (!std::isfinite(now.pan) || !std::isfinite(now.tilt)) {
     Throw<DeviceError>("pan-tilt '{}': its angles are not finite; reference it anew", info.name);
   }

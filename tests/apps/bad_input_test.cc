@@ -41,7 +41,8 @@ class BadInput : public ::testing::Test {
 
 TEST_F(BadInput, NamesAnUnknownKeyWithItsPlace) {
   const ProgramResult result = RunWithConfig("models: models\nmission:\n  lookz: {}\n");
-  Expect(result, 2, "config.yaml:3:3: unknown key 'mission.lookz'; known here: understanding, looks");
+  Expect(result, 2,
+         "config.yaml:3:3: unknown key 'mission.lookz'; known here: understanding, looks");
 }
 
 TEST_F(BadInput, NamesAWrongTypeWithItsPlace) {
@@ -108,7 +109,8 @@ TEST_F(BadInput, NamesASecondModelOfTheSameName) {
 
 TEST_F(BadInput, NamesASceneWithoutATable) {
   WriteFile(world_ / "scene.yaml", "objects: []\n");
-  Expect(Run(), 2, "scene.yaml: the scene has no table; add 'table: {size: [1.2, 0.8], height: 0.75}'");
+  Expect(Run(), 2,
+         "scene.yaml: the scene has no table; add 'table: {size: [1.2, 0.8], height: 0.75}'");
 }
 
 TEST_F(BadInput, NamesAReportFolderThatCannotBeMade) {

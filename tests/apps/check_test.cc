@@ -35,7 +35,8 @@ TEST_F(Check, SaysOfEachThingThatItIsWell) {
   EXPECT_THAT(result.out, HasSubstr("'block': 0.100 x 0.150 x 0.200 m, 12 triangles"));
   EXPECT_THAT(result.out, ContainsRegex("ok +scene +.*scene.yaml: 1 objects"));
   EXPECT_THAT(result.out, HasSubstr("the camera sits at (0.000, 0.000, 1.250) m in the base"));
-  EXPECT_THAT(result.out, HasSubstr("'head': 640 x 480 pixels, 58 x 45 deg, depth from 0.5 to 6 m"));
+  EXPECT_THAT(result.out,
+              HasSubstr("'head': 640 x 480 pixels, 58 x 45 deg, depth from 0.5 to 6 m"));
   EXPECT_THAT(result.out, ContainsRegex("ok +frame +'head': frame 1 came; [1-9][0-9]* % of its"));
   EXPECT_THAT(result.out, ContainsRegex("ok +pan-tilt +'head': at pan "));
   EXPECT_THAT(result.out, ContainsRegex("ok +base +'base': at \\("));

@@ -1,7 +1,7 @@
 // The command line as scripts rely on it (docs/cli.md).
 
-#include <csignal>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -56,8 +56,9 @@ void WriteDepth(const cv::Mat& depth, const std::filesystem::path& file) {
 }
 
 void WriteCloud(const cv::Mat& depth, const std::filesystem::path& file) {
-  std::string text = "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 640\n"
-                     "HEIGHT 480\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 307200\nDATA ascii\n";
+  std::string text =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 640\n"
+      "HEIGHT 480\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 307200\nDATA ascii\n";
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
       const double z = depth.at<float>(v, u);
@@ -97,10 +98,9 @@ TEST(Contract, SegmentWritesOneJsonObjectAndNothingElseToStandardOutput) {
 TEST(Contract, RecogniseWritesOneJsonObjectAndNothingElseToStandardOutput) {
   const testing::SmallWorld world;
   WriteDepth(DepthOfABlock(), world / "depth.png");
-  const ProgramResult pure =
-      RunProgram({"recognise", "--models", world.models().string(), "--depth",
-                  (world / "depth.png").string(), "--depth-unit", "0.0001", "--camera",
-                  "577,577,319.5,239.5", "--json", "-"});
+  const ProgramResult pure = RunProgram(
+      {"recognise", "--models", world.models().string(), "--depth", (world / "depth.png").string(),
+       "--depth-unit", "0.0001", "--camera", "577,577,319.5,239.5", "--json", "-"});
   ASSERT_EQ(pure.status, 0) << pure.err;
   const json result = json::parse(pure.out);
   ASSERT_EQ(result["objects"].size(), 1U);
@@ -154,8 +154,8 @@ TEST(Contract, AStopSignalFinishesTheFilesAndEndsWithItsStatus) {
 TEST(Contract, PlanOnlyMovesNothing) {
   const testing::SmallWorld world;
   const std::string report = (world / "report").string();
-  const ProgramResult result = RunProgram(
-      {"run", "--config", world.config().string(), "--plan-only", "--report", report});
+  const ProgramResult result =
+      RunProgram({"run", "--config", world.config().string(), "--plan-only", "--report", report});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("next look: "));
   const json mission = json::parse(ReadFile(report + "/mission.json"));
@@ -168,7 +168,8 @@ TEST(Contract, ModelsAreListedAndRemoved) {
   const std::string models = world.models().string();
   EXPECT_THAT(RunProgram({"model", "list", "--models", models}).out, HasSubstr("block"));
   EXPECT_EQ(RunProgram({"model", "remove", "--name", "block", "--models", models}).status, 0);
-  const ProgramResult again = RunProgram({"model", "remove", "--name", "block", "--models", models});
+  const ProgramResult again =
+      RunProgram({"model", "remove", "--name", "block", "--models", models});
   EXPECT_EQ(again.status, 2);
   EXPECT_THAT(again.err, HasSubstr("there is no model named 'block'"));
 }

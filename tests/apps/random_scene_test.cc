@@ -90,8 +90,8 @@ TEST(RandomScene, StartsTheRobotInFreeSpaceFacingTheTable) {
     const double off = WrapAngle(scene.robot.yaw_deg * kPi / 180.0 - to_table);
     EXPECT_LE(std::abs(off), 15.0 * kPi / 180.0 + 1e-9) << seed;
     for (const sim::SceneBox& crate : scene.boxes) {
-      const Vector2d p = Eigen::Rotation2Dd(-crate.yaw_deg * kPi / 180.0) *
-                         (start - crate.position.head<2>());
+      const Vector2d p =
+          Eigen::Rotation2Dd(-crate.yaw_deg * kPi / 180.0) * (start - crate.position.head<2>());
       const Vector2d beyond = (p.cwiseAbs() - crate.size.head<2>() / 2.0).cwiseMax(0.0);
       EXPECT_GT(beyond.norm(), 0.28) << "the robot starts in a crate, seed " << seed;
     }

@@ -19,7 +19,7 @@ struct FakeWorld {
   Pose2 X_WB;
   double base_speed{};
   hal::MotionStatus base_status;
-  Duration base_takes{};       ///< From Start() until `base_ends` is its status.
+  Duration base_takes{};  ///< From Start() until `base_ends` is its status.
   hal::MotionStatus base_ends{hal::MotionPhase::kReached, ""};
   bool base_lost_on_status{};  ///< Status() throws DeviceError from now on.
   Time base_started{};
@@ -29,7 +29,7 @@ struct FakeWorld {
   // The head turns at once to where it was told, `head_takes` after Start().
   hal::PanTiltAngles angles;
   hal::PanTiltAngles target;
-  double pan_speed{};          ///< Of a head that turns by itself all the time [rad/s].
+  double pan_speed{};  ///< Of a head that turns by itself all the time [rad/s].
   hal::MotionStatus head_status;
   Duration head_takes{};
   hal::MotionStatus head_ends{hal::MotionPhase::kReached, ""};
