@@ -335,6 +335,7 @@ void Mission::End(Progress progress, std::string why) {
 void Mission::Charge(double seconds) {
   robot_->clock->ChargeThinking(Seconds(seconds));
   record_.compute_seconds += seconds;
+  record_.total_seconds = SecondsSince(start_);
 }
 
 double Mission::SecondsSince(Time start) const { return ToSeconds(robot_->clock->Now() - start); }

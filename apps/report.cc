@@ -10,7 +10,6 @@
 #include "apps/mission_json.h"
 #include "apps/view_picture.h"
 #include "lib/common/files.h"
-#include "lib/common/yaml_reader.h"
 #include "lib/fusion/dempster_shafer.h"
 
 namespace secondlook::apps {
@@ -19,7 +18,7 @@ void WriteReport(const RunConfig& config, const Mission& mission,
                  const std::filesystem::path& folder) {
   WriteJson(ToJson(mission.belief(), mission.record(), config.seed),
             (folder / "mission.json").string());
-  WriteFile(folder / "config.yaml", ToYaml(config));
+  SaveRunConfig(config, folder / "config.yaml");
   for (int i = 0; i < static_cast<int>(mission.belief().views.size()); ++i) {
     cv::Mat bgr;
     cv::cvtColor(DrawView(mission.belief(), i), bgr, cv::COLOR_RGB2BGR);

@@ -1,5 +1,6 @@
 #include "apps/run_config.h"
 
+#include "lib/common/files.h"
 #include "lib/common/yaml_reader.h"
 
 namespace secondlook::apps {
@@ -7,14 +8,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Makes the relative paths in `config` relative to the working folder instead of `folder`.
-void ResolvePaths(const fs::path& folder, RunConfig* config) {
-  const auto resolve = [&](std::string* path) {
-    if (path->empty() || fs::path(*path).is_absolute()) return;
-    *path = (folder / *path).lexically_normal().string();
-  };
-  resolve(&config->models);
-  if (auto* sim = std::get_if<sim::SimConfig>(&config->robot)) resolve(&sim->scene);
+/// Every path in `config` that is relative.
+std::vector<std::string*> RelativePaths(RunConfig* config) {
+  std::vector<std::string*> paths{&config->models};
+  if (auto* sim = std::get_if<sim::SimConfig>(&config->robot)) paths.push_back(&sim->scene);
+  std::erase_if(paths, [](const std::string* path) {
+    return path->empty() || fs::path(*path).is_absolute();
+  });
+  return paths;
 }
 
 }  // namespace
@@ -23,7 +24,9 @@ RunConfig LoadRunConfig(const fs::path& file, const std::vector<std::string>& ov
   RunConfig config;
   std::get<sim::SimConfig>(config.robot).scene.clear();
   ApplyLayer(ReadYamlFile(file), &config);
-  ResolvePaths(file.parent_path(), &config);
+  for (std::string* path : RelativePaths(&config)) {
+    *path = (file.parent_path() / *path).lexically_normal().string();
+  }
   for (const std::string& key_value : overrides) ApplyLayer(ParseOverride(key_value), &config);
   if (config.models.empty()) {
     Throw<ConfigError>(
@@ -36,6 +39,15 @@ RunConfig LoadRunConfig(const fs::path& file, const std::vector<std::string>& ov
     Throw<ConfigError>("{}: 'robot.scene' is missing: the scene file to simulate", file.string());
   }
   return config;
+}
+
+void SaveRunConfig(const RunConfig& config, const fs::path& file) {
+  RunConfig moved = config;
+  const fs::path folder = fs::absolute(file).lexically_normal().parent_path();
+  for (std::string* path : RelativePaths(&moved)) {
+    *path = fs::absolute(*path).lexically_normal().lexically_relative(folder).string();
+  }
+  WriteFile(file, ToYaml(moved));
 }
 
 void RequireKnownClasses(const world::Task& task, const world::ObjectDatabase& database) {

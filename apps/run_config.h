@@ -47,6 +47,10 @@ struct RunConfig {
 RunConfig LoadRunConfig(const std::filesystem::path& file,
                         const std::vector<std::string>& overrides);
 
+/// Writes `config` so that LoadRunConfig reads it back, relative paths relative to the folder of
+/// `file`. @throws ConfigError when that cannot be written.
+void SaveRunConfig(const RunConfig& config, const std::filesystem::path& file);
+
 /// @throws ConfigError when `task` wants a class that is not in `database`, naming those that are.
 void RequireKnownClasses(const world::Task& task, const world::ObjectDatabase& database);
 

@@ -161,6 +161,7 @@ TEST(Contract, PlanOnlyMovesNothing) {
   const json mission = json::parse(ReadFile(report + "/mission.json"));
   EXPECT_EQ(mission["metres"], 0.0);
   EXPECT_EQ(mission["seconds"]["motion"], 0.0);
+  EXPECT_GE(mission["seconds"]["total"], mission["seconds"]["compute"]);
 }
 
 TEST(Contract, ModelsAreListedAndRemoved) {

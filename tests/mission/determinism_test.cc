@@ -20,10 +20,11 @@ using testing::ProgramResult;
 using testing::RunProgram;
 
 /// The mission.json of a process of its own.
-std::string ProgramJson(const TemporaryFolder& folder, const std::string& threads) {
+std::string ProgramJson(const TemporaryFolder& folder, const std::string& config,
+                        const std::string& threads) {
   const std::string report = (folder / ("report_" + threads)).string();
-  const ProgramResult result = RunProgram(
-      {"run", "--config", "config/sim.yaml", "--report", report, "--set", "threads=" + threads});
+  const ProgramResult result =
+      RunProgram({"run", "--config", config, "--report", report, "--set", "threads=" + threads});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("the result lies in " + report));
   EXPECT_TRUE(std::filesystem::exists(report + "/view_0.png"));
@@ -33,8 +34,10 @@ std::string ProgramJson(const TemporaryFolder& folder, const std::string& thread
 
 TEST(Determinism, TwoMissionsInOneProcessEqualTwoProcessesWithOneAndTwoThreads) {
   const TemporaryFolder folder;
-  const std::string one_thread = ProgramJson(folder, "1");
-  const std::string two_threads = ProgramJson(folder, "2");
+  const std::string one_thread = ProgramJson(folder, "config/sim.yaml", "1");
+  // The effective configuration in the report of the first gives the same mission again.
+  const std::string saved = (folder / "report_1" / "config.yaml").string();
+  const std::string two_threads = ProgramJson(folder, saved, "2");
   EXPECT_TRUE(one_thread == two_threads) << "the number of threads matters";
   const std::string first = SimulatedMission({"threads=2"}).Json();
   const std::string second = SimulatedMission({"threads=1"}).Json();

@@ -1,0 +1,113 @@
+#include "apps/experiments/experiment.h"
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "lib/common/error.h"
+#include "lib/common/files.h"
+#include "tests/support/expect_throws.h"
+#include "tests/support/temporary_folder.h"
+
+namespace secondlook::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A trial whose result is the square of its number.
+Json Square(int t) { return {{"square", t * t}}; }
+
+std::vector<Row> Summary(const std::vector<Json>& trials) {
+  std::vector<double> squares;
+  for (const Json& trial : trials) squares.push_back(trial["square"]);
+  return {{"square", Mean(squares)}};
+}
+
+std::vector<int> Numbers(const std::vector<Json>& trials) {
+  std::vector<int> numbers;
+  for (const Json& trial : trials) numbers.push_back(trial["trial"]);
+  return numbers;
+}
+
+class Trials : public ::testing::Test {
+ protected:
+  Trials() {
+    options_.trials = 7;
+    options_.json = (folder_ / "result.json").string();
+  }
+  Json Written() const { return Json::parse(ReadFile(options_.json)); }
+
+  TemporaryFolder folder_;
+  ExperimentOptions options_;
+};
+
+TEST_F(Trials, ComeInTheirOrderWithTheirSummary) {
+  const auto trials = RunTrials("squares", options_, Square, Summary);
+  EXPECT_EQ(Numbers(trials), (std::vector<int>{0, 1, 2, 3, 4, 5, 6}));
+  const Json result = Written();
+  EXPECT_EQ(result["name"], "squares");
+  EXPECT_EQ(result["trials"], 7);
+  EXPECT_EQ(result["seed"], 1);
+  EXPECT_EQ(result["rows"][0]["metric"], "square");
+  EXPECT_DOUBLE_EQ(result["rows"][0]["value"], 13.0);  // (0 + 1 + 4 + 9 + 16 + 25 + 36) / 7
+  EXPECT_EQ(result["rows"][0]["ci95"].size(), 2U);
+  EXPECT_TRUE(result["rows"][0]["paper"].is_null());
+  EXPECT_TRUE(result["seconds"].is_number());
+  EXPECT_EQ(result["details"].size(), 7U);
+}
+
+TEST_F(Trials, AreTheSameForAnyNumberOfThreads) {
+  options_.threads = 1;
+  RunTrials("squares", options_, Square, Summary);
+  Json one = Written();
+  options_.threads = 4;
+  RunTrials("squares", options_, Square, Summary);
+  Json four = Written();
+  one.erase("seconds");
+  four.erase("seconds");
+  EXPECT_EQ(one, four);
+}
+
+TEST_F(Trials, AreSharedOutAmongTheShards) {
+  std::vector<int> all;
+  options_.shards = 3;
+  for (options_.shard = 1; options_.shard <= 3; ++options_.shard) {
+    for (const int t : Numbers(RunTrials("squares", options_, Square, Summary))) all.push_back(t);
+  }
+  std::sort(all.begin(), all.end());
+  EXPECT_EQ(all, (std::vector<int>{0, 1, 2, 3, 4, 5, 6}));
+}
+
+TEST_F(Trials, ThatStandInTheFileAreNotRunAgain) {
+  options_.trials = 3;
+  RunTrials("squares", options_, Square, Summary);
+  options_.trials = 5;
+  options_.resume = true;
+  std::atomic<int> run{0};
+  const auto trials = RunTrials(
+      "squares", options_,
+      [&](int t) {
+        ++run;
+        return Square(t);
+      },
+      Summary);
+  EXPECT_EQ(run, 2);
+  EXPECT_EQ(Numbers(trials), (std::vector<int>{0, 1, 2, 3, 4}));
+}
+
+TEST_F(Trials, DoNotResumeWhatIsAnotherExperiment) {
+  RunTrials("squares", options_, Square, Summary);
+  options_.resume = true;
+  EXPECT_THROWS(RunTrials("cubes", options_, Square, Summary), ConfigError,
+                "is not the result of 'experiment cubes' with seed 1; nothing to resume");
+  options_.seed = 2;
+  EXPECT_THROWS(RunTrials("squares", options_, Square, Summary), ConfigError, "with seed 2");
+  WriteFile(options_.json, "{");
+  EXPECT_THROWS(RunTrials("squares", options_, Square, Summary), ConfigError, "nothing to resume");
+}
+
+}  // namespace
+}  // namespace secondlook::apps
