@@ -33,20 +33,31 @@ double LogOdds(double score) {
   return std::log(bounded / (1.0 - bounded));
 }
 
-/// True when some view accepts the hypothesis with colours that agree by at least `min_color`.
-bool Accepted(const PoseHypothesis& hypothesis, double min_color) {
-  return std::any_of(hypothesis.evidence.begin(), hypothesis.evidence.end(),
-                     [&](const ViewEvidence& e) {
-                       const world::Verification& v = e.hypothesis.verification;
-                       return v.accepted && !(v.color_agreement < min_color);  // NaN: no colour
-                     });
+/// True when some view accepts the hypothesis with colours that agree well enough, and the views
+/// that accept it saw most of what all saw.
+bool Accepted(const PoseHypothesis& hypothesis, const ConcludeConfig& config) {
+  bool clearly = false;
+  double accepting = 0.0;
+  double all = 0.0;
+  for (const ViewEvidence& e : hypothesis.evidence) {
+    const world::Verification& v = e.hypothesis.verification;
+    all += v.visible;
+    if (!v.accepted) continue;
+    accepting += v.visible;
+    if (!(v.color_agreement < config.min_color_agreement)) clearly = true;  // NaN: no colour
+  }
+  return clearly && accepting >= config.min_accepting * all;
 }
 
-/// Why no view has: of the last one.
-std::string WhyNotAccepted(const PoseHypothesis& hypothesis, double min_color) {
-  const world::Verification& v = hypothesis.evidence.back().hypothesis.verification;
-  if (!v.reason.empty()) return v.reason;
-  return fmt::format("its colours agree by {:.2f} (at least {:.2f})", v.color_agreement, min_color);
+/// Why it is not accepted: the last objection of a view.
+std::string WhyNotAccepted(const PoseHypothesis& hypothesis, const ConcludeConfig& config) {
+  for (auto e = hypothesis.evidence.rbegin(); e != hypothesis.evidence.rend(); ++e) {
+    const world::Verification& v = e->hypothesis.verification;
+    if (!v.accepted) return fmt::format("view {}: {}", e->view, v.reason);
+  }
+  return fmt::format("its colours agree by {:.2f} (at least {:.2f})",
+                     hypothesis.evidence.back().hypothesis.verification.color_agreement,
+                     config.min_color_agreement);
 }
 
 void Weigh(const ConcludeConfig& config, PoseHypothesis* h) {
@@ -185,9 +196,9 @@ void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_v
             ? fmt::format("several hypotheses: '{}' at {:.2f}, '{}' at {:.2f}; needs {:.2f}", c,
                           belief, second, NormalisedBelief(object->masses, second), needed)
             : fmt::format("low confidence: '{}' at {:.2f}; needs {:.2f}", c, belief, needed);
-  } else if (!Accepted(*best, config.min_color_agreement)) {
-    object->reason = fmt::format("'{}' at {:.2f}, but no view has verified its pose: {}", c, belief,
-                                 WhyNotAccepted(*best, config.min_color_agreement));
+  } else if (!Accepted(*best, config)) {
+    object->reason = fmt::format("'{}' at {:.2f}, but its pose is not verified: {}", c, belief,
+                                 WhyNotAccepted(*best, config));
   } else if (rival != nullptr) {
     object->reason = fmt::format(
         "'{}' at {:.2f}, but its pose is open: two differ by {:.0f} deg "

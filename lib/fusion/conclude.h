@@ -24,6 +24,8 @@ struct ConcludeConfig {
   /// single frame is asked for, as a mission can look again, and another look is cheaper than an
   /// error.
   double min_color_agreement = 0.78;
+  /// Of all the pixels that the views saw of it, so many are in views that accept it.
+  double min_accepting = 0.8;
   /// Each view's masses are discounted by this (Shafer): views share errors.
   double view_reliability = 0.97;
   /// An object is unknown when at least this many views saw it …
@@ -40,6 +42,7 @@ struct ConcludeConfig {
     a->Visit("near_deg", &near_deg);
     a->Visit("min_near_lead", &min_near_lead);
     a->Visit("min_color_agreement", &min_color_agreement);
+    a->Visit("min_accepting", &min_accepting);
     a->Visit("view_reliability", &view_reliability);
     a->Visit("unknown_views", &unknown_views);
     a->Visit("unknown_ignorance", &unknown_ignorance);
@@ -67,8 +70,9 @@ double NeededLead(const ConcludeConfig& config, const world::PoseHypothesis& bes
 /// - A class counts in every view with what that view says of the class's best surviving
 ///   hypothesis; the masses of the views are combined by the transferable belief model.
 /// - Verified: the class has the confidence that the task asks for, the hypothesis was accepted in
-///   some view with colours that agree well, and no other pose of the class comes near. Unknown:
-///   see ConcludeConfig. Otherwise the object stays a candidate, and the reason says what is open.
+///   some view with colours that agree well and by most of what was seen of it, and no other pose
+///   of the class comes near. Unknown: see ConcludeConfig. Otherwise the object stays a candidate,
+///   and the reason says what is open.
 void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
               world::ObjectBelief* object);
 
