@@ -147,11 +147,22 @@ Mission::Question Mission::WhatIsOpen() const {
     (object.looks_taken < config_.looks.per_object ? question.open : question.spent)
         .push_back(&object);
   }
-  if (explored_ < config_.looks.at_hidden_space && vain_ < kMaxVain) {
+  if (explored_ < config_.looks.at_hidden_space && vain_ < kMaxVain && !AllWantedFound()) {
     question.hidden_W = planning::HiddenRegions(scene_.space(), *belief().plane_W, known_W,
                                                 config_.looks.hidden_space);
   }
   return question;
+}
+
+/// True when the task wants certain classes and each has been found.
+bool Mission::AllWantedFound() const {
+  const auto found = [&](const auto& wanted) {
+    return std::any_of(
+        belief().objects.begin(), belief().objects.end(), [&](const ObjectBelief& object) {
+          return object.state == ObjectState::kVerified && object.Best()->model == wanted.first;
+        });
+  };
+  return !task_.wanted.empty() && std::all_of(task_.wanted.begin(), task_.wanted.end(), found);
 }
 
 /// False when the task wants certain classes and the object is surely none of them.

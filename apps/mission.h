@@ -85,6 +85,7 @@ class Mission {
   void Understand(const Capture& capture);
   TakenLook ScoreLooks(const Question& question);
   Question WhatIsOpen() const;
+  bool AllWantedFound() const;
   bool Matters(const world::ObjectBelief& object) const;
   std::optional<TakenLook> SearchForTable();
   std::optional<TakenLook> Choose(const Question& question);

@@ -75,7 +75,6 @@ Json ToJson(const ObjectBelief& object) {
   json["p_WO"] = VectorToJson(object.extent_W.center());
   json["extent"] = VectorToJson(object.extent_W.sizes());
   json["X_WM"] = verified ? MatrixToJson(best->X_WM) : Json(nullptr);
-  json["X_CM"] = verified ? MatrixToJson(best->BestView()->hypothesis.X_CM) : Json(nullptr);
   json["verified_in"] = verified ? Json(best->BestView()->view) : Json(nullptr);
   json["covariance"] = verified ? CovarianceToJson(best->covariance) : Json(nullptr);
   json["views"] = object.sightings.size();

@@ -100,11 +100,11 @@ class Court {
   void Measure(const ObjectBelief& object, const sim::PlacedObject& thing, Verdict* verdict) {
     const perception::Symmetry symmetry = perception::FindSymmetry(thing.mesh);
     const Eigen::Vector3d center_M = geometry::Bounds(thing.mesh).center();
-    const world::ViewEvidence& evidence = *object.Best()->BestView();
-    const world::Observation& view = mission_.belief().views[evidence.view];
-    const Pose X_CM = truth_.ViewOf(view.frame.sequence).X_WC.inverse() * thing.X_WM;
+    const world::Observation& view = mission_.belief().views[object.Best()->BestView()->view];
+    const Pose X_CM_true = truth_.ViewOf(view.frame.sequence).X_WC.inverse() * thing.X_WM;
+    const Pose X_CM = view.X_WC.inverse() * object.Best()->X_WM;
     const perception::PoseDistance error =
-        perception::DistanceUpToSymmetry(X_CM, evidence.hypothesis.X_CM, symmetry, center_M, true);
+        perception::DistanceUpToSymmetry(X_CM_true, X_CM, symmetry, center_M, true);
     verdict->error_m = error.translation;
     verdict->error_deg = error.rotation * kDegrees;
     const bool right = error.translation <= config_.max_m && verdict->error_deg <= config_.max_deg;

@@ -29,7 +29,7 @@ struct Header {
   std::vector<Field> fields;
   std::size_t width{};
   std::size_t height{};
-  std::string data;        ///< ascii, binary or binary_compressed.
+  std::string data;          ///< ascii, binary or binary_compressed.
   std::size_t data_begin{};  ///< Offset of the first byte after the header.
 
   std::size_t points() const { return width * height; }
@@ -97,8 +97,8 @@ class PcdFile {
     header_.data_begin = begin;
     if (header_.width > kMaxPoints || header_.height > kMaxPoints || header_.points() == 0 ||
         header_.points() > kMaxPoints) {
-      Fail(fmt::format("it has {} x {} points; 1 to {} are accepted", header_.width,
-                       header_.height, kMaxPoints));
+      Fail(fmt::format("it has {} x {} points; 1 to {} are accepted", header_.width, header_.height,
+                       kMaxPoints));
     }
     for (const Field& field : header_.fields) {
       if (field.size > 8 || field.count > 4096) Fail("its field '" + field.name + "' is too large");
@@ -164,8 +164,8 @@ class PcdFile {
         offset += header_.fields[i].size * header_.fields[i].count;
       }
       const std::size_t size = header_.fields[index].size;
-      columns[axis] = by_column ? Column{offset * n, size, size}
-                                : Column{offset, header_.point_size(), size};
+      columns[axis] =
+          by_column ? Column{offset * n, size, size} : Column{offset, header_.point_size(), size};
     }
     std::vector<Eigen::Vector3f> points;
     points.reserve(n);

@@ -9,8 +9,8 @@ namespace secondlook::geometry {
 /// Reads the x, y and z of a point cloud in the PCD format 0.7, ASCII, binary or compressed; other
 /// fields are skipped. HEIGHT > 1 makes an organised cloud. PCD has no unit: the values are taken
 /// for metres, and points that are not finite for "none".
-/// @throws ConfigError naming the file when it is missing, truncated, no PCD, larger than 16 million
-/// points, or lacks x, y or z.
+/// @throws ConfigError naming the file when it is missing, truncated, no PCD, larger than 16
+/// million points, or lacks x, y or z.
 PointImage ReadPcd(const std::filesystem::path& file);
 
 }  // namespace secondlook::geometry

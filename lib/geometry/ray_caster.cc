@@ -2,7 +2,11 @@
 
 #include <limits>
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 #include <tbb/task_arena.h>
 
 #include "lib/common/error.h"
@@ -21,6 +25,26 @@ struct RayCaster::Scene {
     rtcReleaseDevice(device);
   }
 };
+
+namespace {
+
+/// Embree 3 (Debian 12) and 4 (Ubuntu 24.04) differ in how a ray is asked.
+void IntersectAll(RTCScene scene, std::vector<RTCRayHit>* stream) {
+#if RTC_VERSION_MAJOR >= 4
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  for (RTCRayHit& ray : *stream) rtcIntersect1(scene, &ray, &arguments);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect1M(scene, &context, stream->data(), static_cast<unsigned>(stream->size()),
+                 sizeof(RTCRayHit));
+#endif
+}
+
+}  // namespace
 
 RayCaster::RayCaster(const Mesh& mesh) : scene_(std::make_unique<Scene>()) {
   if (mesh.empty()) Throw<InvalidArgument>("ray caster: the mesh has no triangle");
@@ -72,11 +96,7 @@ std::vector<RayHit> RayCaster::Cast(std::span<const Ray> rays_M) const {
     ray.flags = 0;
     stream[i].hit.geomID = RTC_INVALID_GEOMETRY_ID;
   }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect1M(scene_->scene, &context, stream.data(), static_cast<unsigned>(stream.size()),
-                 sizeof(RTCRayHit));
+  IntersectAll(scene_->scene, &stream);
   std::vector<RayHit> hits(rays_M.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const RTCHit& hit = stream[i].hit;

@@ -25,7 +25,7 @@ struct SegmentConfig {
   double max_height_m = 0.6;    ///< Higher than this is not on the table.
   double edge_clearance_m = 0.02;  ///< How far beyond the plane's convex extent things may reach.
   double cluster_gap_m = 0.015;    ///< Things farther apart are two.
-  int min_cluster_points = 80;    ///< Smaller clusters are noise.
+  int min_cluster_points = 80;     ///< Smaller clusters are noise.
 
   template <class A>
   void Serialize(A* a) {

@@ -10,11 +10,11 @@
 namespace secondlook::planning {
 
 struct HiddenSpaceConfig {
-  double cell_m = 0.03;       ///< Of the grid on the support plane.
-  double height_m = 0.04;     ///< Above the plane, where it is asked whether a thing could stand.
-  double clearance_m = 0.03;  ///< What lies so near to a known thing is its own shadow.
-  double min_area_m2 = 0.008; ///< A smaller hidden region could hide nothing of interest.
-  double box_height_m = 0.12; ///< Of the boxes that are returned.
+  double cell_m = 0.03;        ///< Of the grid on the support plane.
+  double height_m = 0.04;      ///< Above the plane, where it is asked whether a thing could stand.
+  double clearance_m = 0.03;   ///< What lies so near to a known thing is its own shadow.
+  double min_area_m2 = 0.008;  ///< A smaller hidden region could hide nothing of interest.
+  double box_height_m = 0.12;  ///< Of the boxes that are returned.
 
   template <class A>
   void Serialize(A* a) {

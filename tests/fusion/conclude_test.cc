@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace secondlook::fusion {

@@ -36,16 +36,16 @@ class ReadPcdTest : public testing::Test {
 };
 
 TEST_F(ReadPcdTest, ReadsAsciiWithNanAsNone) {
-  const PointImage image = Read(Header("label x y z", "4 4 4 4", "U F F F", 2, 1, "ascii") +
-                                "7 1 2 3\n8 nan nan nan\n");
+  const PointImage image =
+      Read(Header("label x y z", "4 4 4 4", "U F F F", 2, 1, "ascii") + "7 1 2 3\n8 nan nan nan\n");
   ASSERT_EQ(image.points_C.size(), 2U);
   EXPECT_EQ(image.points_C[0], Eigen::Vector3f(1, 2, 3));
   EXPECT_FALSE(IsMeasured(image.points_C[1]));
 }
 
 TEST_F(ReadPcdTest, ReadsBinaryAndKeepsTheOrderOfTheImage) {
-  const PointImage image = Read(Header("x y z", "4 4 4", "F F F", 1, 2, "binary") +
-                                Bytes({1, 2, 3, 4, 5, 6}));
+  const PointImage image =
+      Read(Header("x y z", "4 4 4", "F F F", 1, 2, "binary") + Bytes({1, 2, 3, 4, 5, 6}));
   EXPECT_TRUE(image.organised());
   EXPECT_EQ(image.points_C[1], Eigen::Vector3f(4, 5, 6));
 }

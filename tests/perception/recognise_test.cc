@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "lib/common/error.h"

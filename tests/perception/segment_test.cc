@@ -1,5 +1,6 @@
 #include "lib/perception/segment.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "lib/common/error.h"

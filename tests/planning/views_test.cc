@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "lib/common/error.h"
