@@ -11,6 +11,7 @@
 #include "apps/report.h"
 #include "apps/run_config.h"
 #include "apps/stop_signal.h"
+#include "lib/common/error.h"
 #include "lib/common/files.h"
 #include "lib/common/parallel.h"
 #include "lib/world/object_database.h"
@@ -58,18 +59,25 @@ int Run(const RunOptions& options) {
   Mission mission(
       config.mission, config.task, database, ready.calibration, config.seed,
       [] { return StopSignal() != 0; }, &ready.robot);
-  Progress progress = Progress::kMore;
-  if (options.plan_only) {
-    PrintPlan(mission.Plan());
-    progress = StopSignal() != 0 ? Progress::kStopped : Progress::kSettled;
-  } else {
-    while (progress == Progress::kMore) progress = mission.Step();
-  }
-  PrintSummary(mission, ProcessorSeconds());
-  if (!options.report.empty()) {
+  const auto finish = [&] {
+    PrintSummary(mission, ProcessorSeconds());
+    if (options.report.empty()) return;
     WriteReport(config, mission, options.report);
     fmt::print("the result lies in {}\n", options.report);
+  };
+  Progress progress = Progress::kMore;
+  try {
+    if (options.plan_only) {
+      PrintPlan(mission.Plan());
+      progress = StopSignal() != 0 ? Progress::kStopped : Progress::kSettled;
+    } else {
+      while (progress == Progress::kMore) progress = mission.Step();
+    }
+  } catch (const DeviceError&) {
+    finish();  // what was learned until then is not lost
+    throw;
   }
+  finish();
   return StatusOf(progress);
 }
 
