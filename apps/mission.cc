@@ -70,10 +70,13 @@ Mission::Mission(const MissionConfig& config, const world::Task& task,
   }
 }
 
-Progress Mission::Step() {
+Progress Mission::Step() try {
   if (searched_ == 0) return Act(*SearchForTable());  // wherever the head looked before
   const std::optional<TakenLook> look = Plan();
   return look ? Act(*look) : progress_;
+} catch (const DeviceError& error) {
+  End(Progress::kNoLook, fmt::format("a device failed: {}", error.what()));
+  throw;
 }
 
 std::optional<TakenLook> Mission::Plan() {
