@@ -83,6 +83,28 @@ TEST(Conclude, LeavesAPoseOpenThatHasARival) {
   EXPECT_THAT(object.reason, testing::HasSubstr("its pose is open: two differ by 57 deg"));
 }
 
+TEST(Conclude, AsksForLessOfALeadOverAPoseThatIsNearlyTheSame) {
+  // Log-odds 3.66 and 1.39: the lead is 2.3.
+  const auto object = [](double yaw_deg) {
+    return Object({Hypothesis("mug", 0, {View(0, 0.975)}),
+                   Hypothesis("mug", yaw_deg * 0.0174533, {View(0, 0.8)})},
+                  1);
+  };
+  EXPECT_EQ(object(7).state, ObjectState::kVerified) << object(7).reason;
+  EXPECT_EQ(object(70).state, ObjectState::kCandidate);
+}
+
+TEST(Conclude, DoesNotVerifyWhatTheLargerViewRejects) {
+  PoseHypothesis mug = Hypothesis("mug", 0, {View(0, 0.999), View(1, 0.999)});
+  mug.evidence[1].hypothesis.verification.accepted = false;
+  mug.evidence[1].hypothesis.verification.reason = "the camera sees through 20 % of it";
+  const ObjectBelief object = Object({mug}, 2);
+  EXPECT_EQ(object.state, ObjectState::kCandidate);
+  EXPECT_THAT(object.reason, testing::HasSubstr("view 1: the camera sees through 20 % of it"));
+  mug.evidence[1].hypothesis.verification.visible = 100;  // of 900
+  EXPECT_EQ(Object({mug}, 2).state, ObjectState::kVerified);
+}
+
 TEST(Conclude, CallsUnknownOnlyAfterEnoughClearViews) {
   const std::vector<PoseHypothesis> hypotheses{
       Hypothesis("mug", 0, {View(0, 0.2, 0.3), View(1, 0.2, 0.3)})};
