@@ -1,5 +1,7 @@
 #include "apps/capture.h"
 
+#include "lib/common/error.h"
+
 #include <opencv2/core.hpp>
 
 namespace secondlook::apps {
@@ -33,9 +35,14 @@ std::optional<Capture> Capturer::Take(Duration timeout) {
   robot_->clock->SleepUntil(robot_->clock->Now() + kSettle);
   Poll();
   const Time begin = robot_->clock->Now();
+  // A frame from before the last motion ended may still have been waiting; no more than one.
   std::optional<hal::RgbdFrame> frame = robot_->head_camera->Grab(timeout);
-  // A frame from before the last motion ended may still have been waiting.
-  while (frame && frame->time < begin - kSettle) frame = robot_->head_camera->Grab(timeout);
+  if (frame && frame->time < begin - kSettle) frame = robot_->head_camera->Grab(timeout);
+  if (frame && frame->time < begin - kSettle) {
+    Throw<DeviceError>(
+        "camera '{}': its newest frame is {:.3f} s old; check its clock and its time stamps",
+        robot_->head_camera->info().name, ToSeconds(robot_->clock->Now() - frame->time));
+  }
   if (!frame) return std::nullopt;
   robot_->clock->SleepUntil(frame->time + kSettle);
   Poll();

@@ -67,7 +67,7 @@ DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, hal::Robot
       capturer);
   head.metres += outcome.metres;
   return head;
-} catch (const DeviceError&) {
+} catch (...) {
   robot->Stop();
   throw;
 }

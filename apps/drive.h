@@ -23,7 +23,8 @@ using StopRequest = std::function<bool()>;
 /// Moves the base along `look.path_W` (not at all when that is empty), then the head to
 /// `look.head`, and waits until both stand still. When `stop` says so, or a motion takes three
 /// times as long as planned plus 15 s, everything is stopped.
-/// @throws DeviceError when a device is lost; everything that can be is stopped before.
+/// @throws DeviceError when a device is lost. Whatever is thrown, everything that can be is stopped
+/// before.
 DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, hal::Robot* robot,
                     Capturer* capturer);
 

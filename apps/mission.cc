@@ -246,11 +246,6 @@ TakenLook Mission::ScoreLooks(const Question& question) {
                                    &rng_, config_.looks.aspect_graph);
     for (world::Look& look : graph.looks) {
       look.kind = target.id < 0 ? "hidden_space" : "aspect_graph";
-      for (const Vector2d& p : blocked_W_) {
-        if (!look.path_W.empty() && (Vector2d(look.X_WB.x, look.X_WB.y) - p).norm() < 0.05) {
-          look.feasible = false;
-        }
-      }
       taken.candidates.push_back(std::move(look));
     }
   }
@@ -295,6 +290,9 @@ planning::AspectTarget Mission::TargetFor(const Eigen::AlignedBox3d& hidden_W) c
   target.worth = config_.looks.hidden_worth;
   for (const world::Observation& view : belief().views) {
     target.seen_from_W.push_back((view.X_WC.translation() - hidden_W.center()).normalized());
+  }
+  for (const Vector3d& p : vain_views_W_) {
+    target.seen_from_W.push_back((p - hidden_W.center()).normalized());
   }
   return target;
 }

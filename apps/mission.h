@@ -48,7 +48,7 @@ struct MissionRecord {
   std::string end;           ///< Why it ended, in words; empty while it runs.
 };
 
-/// The cycle (DESIGN.md): grab, observe, match and fuse, ask what is open, choose a look, take it.
+/// The cycle: grab, observe, match and fuse, ask what is open, choose a look, take it.
 /// All its knowledge comes through the robot's devices.
 class Mission {
  public:

@@ -30,7 +30,9 @@ struct UnderstandingConfig {
   double footprint_cell_m = 0.01;  ///< Of the footprints by which views are matched.
   double footprint_overlap = 0.3;  ///< From which two footprints are one thing.
   int min_leftover_points = 400;   ///< What known things leave of a cluster is something else.
-  int clear_view_points = 300;     ///< A thing seen with fewer was not seen clearly.
+  /// Of the pixels of verified objects in a view; more, and its registration is not believed.
+  double max_see_through = 0.25;
+  int clear_view_points = 300;  ///< A thing seen with fewer was not seen clearly.
 
   template <class A>
   void Serialize(A* a) {
@@ -44,6 +46,7 @@ struct UnderstandingConfig {
     a->Visit("footprint_cell_m", &footprint_cell_m);
     a->Visit("footprint_overlap", &footprint_overlap);
     a->Visit("min_leftover_points", &min_leftover_points);
+    a->Visit("max_see_through", &max_see_through);
     a->Visit("clear_view_points", &clear_view_points);
   }
 

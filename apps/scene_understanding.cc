@@ -101,14 +101,13 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
   const perception::ViewRegistration registration = Register(points_C, capture);
   if (!registration.accepted) return registration.reason;
   const Pose& X_WC = registration.X_WC;
+  if (std::string reason = Contradiction(capture, X_WC); !reason.empty()) return reason;
 
   const int view = static_cast<int>(belief_.views.size());
   Matched matched = MatchClusters(std::move(cut.clusters), frame.depth, capture.camera, X_WC);
   views_.push_back(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C,
                                         matched.clusters));
-  belief_.views.push_back(
-      {frame, capture.camera, X_WC, *cut.plane_C,
-       perception::Recognise(views_.back(), matched.clusters, models_, config_.recognise)});
+  belief_.views.push_back({frame, capture.camera, X_WC, *cut.plane_C, Recognise(matched)});
   GrowPlane(cut.plane_points_C, *cut.plane_C, X_WC);
   reference_.AddView(points_C, X_WC, registration.covariance);
   for (int i = 0; i < static_cast<int>(matched.objects.size()); ++i) {
@@ -144,6 +143,24 @@ void SceneUnderstanding::MergeDuplicates() {
       Conclude(&a);
     }
   }
+}
+
+/// Why the view cannot have been taken from X_WC: it would see through what is verified. Empty when
+/// it could.
+std::string SceneUnderstanding::Contradiction(const Capture& capture, const Pose& X_WC) const {
+  perception::SurfaceAgreement sum;
+  for (const ObjectBelief& object : belief_.objects) {
+    if (object.state != ObjectState::kVerified) continue;
+    const PoseHypothesis& known = *object.Best();
+    const perception::SurfaceAgreement agreement =
+        perception::CompareSurface(ModelOf(known.model).mesh, X_WC.inverse() * known.X_WM,
+                                   capture.frame.depth, capture.camera);
+    sum.matching += agreement.matching;
+    sum.see_through += agreement.see_through;
+  }
+  if (sum.see_through <= config_.max_see_through * (sum.matching + sum.see_through)) return "";
+  return fmt::format("registered, it sees through verified objects at {} pixels and agrees at {}",
+                     sum.see_through, sum.matching);
 }
 
 /// The first view defines the map; the others are registered to it.
@@ -297,7 +314,7 @@ void SceneUnderstanding::AddFreshHypotheses(int view, const world::Detection& de
     const Pose X_WM = X_WC * fresh.X_CM;
     const bool known = std::any_of(
         object->hypotheses.begin(), object->hypotheses.end(), [&](const PoseHypothesis& h) {
-          if (h.model != fresh.model) return false;
+          if (h.struck || h.model != fresh.model) return false;
           const perception::PoseDistance distance =
               perception::DistanceUpToSymmetry(h.X_WM, X_WM, model.symmetry, model.center_M, true);
           return distance.translation < kSamePose_m && distance.rotation < kSamePose_rad;
@@ -407,7 +424,7 @@ void SceneUnderstanding::DropConverged(ObjectBelief* object) const {
   for (PoseHypothesis& h : object->hypotheses) {
     const perception::RecognitionModel& model = ModelOf(h.model);
     const auto same = std::find_if(kept.begin(), kept.end(), [&](const PoseHypothesis& other) {
-      if (other.model != h.model) return false;
+      if (other.struck || h.struck || other.model != h.model) return false;
       const perception::PoseDistance d = perception::DistanceUpToSymmetry(
           other.X_WM, h.X_WM, model.symmetry, model.center_M, true);
       return d.translation < kOnePose_m && d.rotation < kOnePose_rad;

@@ -48,6 +48,7 @@ class SceneUnderstanding {
 
   perception::ViewRegistration Register(const std::vector<perception::SurfacePoint>& points_C,
                                         const Capture& capture) const;
+  std::string Contradiction(const Capture& capture, const Pose& X_WC) const;
   void GrowPlane(const std::vector<Eigen::Vector3d>& plane_points_C,
                  const world::SupportPlane& plane_C, const Pose& X_WC);
   Matched MatchClusters(std::vector<world::Cluster> clusters, const cv::Mat& depth,
@@ -73,7 +74,6 @@ class SceneUnderstanding {
 
   UnderstandingConfig config_;
   world::Task task_;
-  hal::CameraModel camera_;
   std::vector<perception::RecognitionModel> models_;
   world::VoxelSpace space_;
   perception::ReferenceCloud reference_;

@@ -24,8 +24,10 @@ std::vector<Json> EarlierTrials(const std::string& name, const ExperimentOptions
   if (!options.resume || options.json.empty() || options.json == "-") return {};
   if (!std::filesystem::exists(options.json)) return {};
   const Json earlier = Json::parse(ReadFile(options.json), nullptr, false);
-  if (earlier.is_discarded() || !earlier.contains("details") || earlier["name"] != name ||
-      earlier["seed"] != options.seed) {
+  const bool fits = earlier.is_object() && earlier.value("name", "") == name &&
+                    earlier.value("seed", std::uint64_t{0}) == options.seed &&
+                    earlier.contains("details") && earlier["details"].is_array();
+  if (!fits) {
     Throw<ConfigError>("{}: is not the result of 'experiment {}' with seed {}; nothing to resume",
                        options.json, name, options.seed);
   }
@@ -69,7 +71,7 @@ std::vector<Json> RunTrials(
     const std::function<std::vector<Row>(const std::vector<Json>&)>& summarise) {
   std::vector<std::optional<Json>> done(options.trials);
   for (const Json& earlier : EarlierTrials(name, options)) {
-    const int t = earlier["trial"].get<int>();
+    const int t = earlier.value("trial", -1);
     if (t >= 0 && t < options.trials) done[t] = earlier;
   }
   std::vector<int> open;

@@ -26,11 +26,14 @@ class Court {
   }
 
   std::vector<Verdict> Judge() {
-    std::vector<char> taken(mission_.belief().objects.size(), 0);
     std::vector<Verdict> verdicts;
-    for (const sim::PlacedObject& thing : truth_.objects()) {
+    std::vector<char> taken(mission_.belief().objects.size(), 0);
+    const std::vector<const ObjectBelief*> about = Matches();
+    for (std::size_t i = 0; i < about.size(); ++i) {
+      const sim::PlacedObject& thing = truth_.objects()[i];
       if (thing.role == sim::Role::kObstacle) continue;
-      verdicts.push_back(AboutThing(thing, &taken));
+      if (about[i] != nullptr) taken[about[i]->id] = 1;
+      verdicts.push_back(AboutThing(thing, about[i]));
     }
     for (const ObjectBelief& object : mission_.belief().objects) {
       if (object.state != ObjectState::kVerified || taken[object.id]) continue;
@@ -44,56 +47,64 @@ class Court {
   }
 
  private:
-  Eigen::Vector3d CenterOf(const sim::PlacedObject& thing) const {
-    return thing.X_WM * geometry::Bounds(thing.mesh).center();
-  }
-
-  /// Where the object is believed to be, in the true W: seen through the true pose of a camera that
-  /// saw it, so that the error of the robot's localisation does not count.
-  Eigen::Vector3d TrueCenterOf(const ObjectBelief& object) const {
+  /// Where the centre of the object is believed to be, in the true W: seen through the true pose of
+  /// a camera that saw it, so that the error of the robot's localisation does not count.
+  Eigen::Vector3d TrueCenterOf(const ObjectBelief& object, const sim::PlacedObject& thing) const {
     const world::Observation& view = mission_.belief().views[object.sightings.back().view];
     const Pose X_TrueW = truth_.ViewOf(view.frame.sequence).X_WC * view.X_WC.inverse();
-    return X_TrueW * object.extent_W.center();
+    const bool posed = object.state == ObjectState::kVerified && object.Best()->model == thing.name;
+    return X_TrueW * (posed ? object.Best()->X_WM * geometry::Bounds(thing.mesh).center()
+                            : object.extent_W.center());
   }
 
-  /// The belief about `thing`: the nearest within reach that no other thing has taken; a verified
-  /// one of its name first.
-  const ObjectBelief* BeliefAbout(const sim::PlacedObject& thing,
-                                  const std::vector<char>& taken) const {
-    const ObjectBelief* best = nullptr;
-    double best_distance = kSameThing_m;
-    for (const ObjectBelief& object : mission_.belief().objects) {
-      if (object.state == ObjectState::kRejected || taken[object.id]) continue;
-      double distance = (TrueCenterOf(object) - CenterOf(thing)).norm();
-      if (distance >= kSameThing_m) continue;
-      if (object.state == ObjectState::kVerified && object.Best()->model == thing.name) {
-        distance -= kSameThing_m;
-      }
-      if (best == nullptr || distance < best_distance) {
-        best = &object;
-        best_distance = distance;
+  /// The belief about each thing, or null.
+  std::vector<const ObjectBelief*> Matches() const {
+    struct Pair {
+      double cost;
+      std::size_t thing;
+      const ObjectBelief* object;
+    };
+    std::vector<Pair> pairs;
+    for (std::size_t i = 0; i < truth_.objects().size(); ++i) {
+      const sim::PlacedObject& thing = truth_.objects()[i];
+      if (thing.role == sim::Role::kObstacle) continue;
+      const Eigen::Vector3d center_W = thing.X_WM * geometry::Bounds(thing.mesh).center();
+      for (const ObjectBelief& object : mission_.belief().objects) {
+        if (object.state == ObjectState::kRejected) continue;
+        const double distance = (TrueCenterOf(object, thing) - center_W).norm();
+        if (distance >= kSameThing_m) continue;
+        const bool agrees =
+            object.state == ObjectState::kVerified && object.Best()->model == thing.name;
+        pairs.push_back({agrees ? distance - kSameThing_m : distance, i, &object});
       }
     }
-    return best;
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Pair& a, const Pair& b) { return a.cost < b.cost; });
+    std::vector<const ObjectBelief*> about(truth_.objects().size(), nullptr);
+    std::vector<char> taken(mission_.belief().objects.size(), 0);
+    for (const Pair& pair : pairs) {
+      if (about[pair.thing] != nullptr || taken[pair.object->id]) continue;
+      about[pair.thing] = pair.object;
+      taken[pair.object->id] = 1;
+    }
+    return about;
   }
 
-  Verdict AboutThing(const sim::PlacedObject& thing, std::vector<char>* taken) {
-    const bool known = thing.role == sim::Role::kKnown;
+  Verdict AboutThing(const sim::PlacedObject& thing, const ObjectBelief* object) {
     Verdict verdict;
     verdict.truth = thing.name;
-    verdict.kind = known ? Verdict::Kind::kMissed : Verdict::Kind::kUnknownOpen;
-    const ObjectBelief* object = BeliefAbout(thing, *taken);
+    verdict.known = thing.role == sim::Role::kKnown;
+    verdict.kind = verdict.known ? Verdict::Kind::kMissed : Verdict::Kind::kUnknownOpen;
     if (object == nullptr) return verdict;
-    (*taken)[object->id] = 1;
     verdict.object = object->id;
     if (object->state == ObjectState::kUnknown) {
       verdict.belief = "unknown";
-      if (!known) verdict.kind = Verdict::Kind::kUnknownRight;
+      if (!verdict.known) verdict.kind = Verdict::Kind::kUnknownRight;
     }
     if (object->state != ObjectState::kVerified) return verdict;
     verdict.belief = object->Best()->model;
     verdict.kind = Verdict::Kind::kWrong;
-    if (known && verdict.belief == thing.name) Measure(*object, thing, &verdict);
+    if (verdict.known && verdict.belief == thing.name) Measure(*object, thing, &verdict);
     return verdict;
   }
 

@@ -26,6 +26,7 @@ struct Verdict {
   };
   Kind kind{Kind::kMissed};
   std::string truth;   ///< Its true name; "" when nothing is there.
+  bool known{};        ///< The object database holds it.
   std::string belief;  ///< The name it was given; "unknown", or "" when it was left open.
   int object{-1};      ///< Id in the belief; -1: no such object.
   double error_m{std::numeric_limits<double>::quiet_NaN()};    ///< Of the centre; NaN: no pose.

@@ -25,6 +25,7 @@ Json OrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 Json ToJson(const Verdict& verdict) {
   return {{"verdict", ToString(verdict.kind)},
           {"truth", verdict.truth},
+          {"known", verdict.known},
           {"belief", verdict.belief},
           {"object", verdict.object},
           {"error_mm", OrNull(verdict.error_m * 1e3)},
@@ -107,9 +108,7 @@ std::vector<Row> Summarise(const std::vector<Json>& trials) {
   for (const Json& trial : trials) {
     for (const Json& v : trial["verdicts"]) {
       const std::string kind = v["verdict"];
-      const bool is_unknown = kind == "unknown right" || kind == "unknown open";
-      if (is_unknown) ++unknown;
-      if (!is_unknown && v["truth"] != "") ++known;
+      if (v["truth"] != "") ++(v["known"] ? known : unknown);
       if (kind == "right") ++right;
       if (kind == "wrong") ++wrong;
       if (kind == "unknown right") ++unknown_right;

@@ -19,7 +19,7 @@ struct ConcludeConfig {
   /// A pose turned by less than `near_deg` is half way to being the same, so it needs to be told
   /// from the best by less.
   double near_deg = 12.0;
-  double min_near_lead = 1.5;
+  double min_near_lead = 2.0;
   /// In some view the colours must agree this well (where there is colour): stricter than what a
   /// single frame is asked for, as a mission can look again, and another look is cheaper than an
   /// error.

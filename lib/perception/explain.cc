@@ -68,4 +68,21 @@ world::Cluster TakeExplained(const geometry::Mesh& mesh, const Pose& X_CM, const
   return MakeCluster(std::move(taken), depth, camera);
 }
 
+SurfaceAgreement CompareSurface(const geometry::Mesh& mesh, const Pose& X_CM, const cv::Mat& depth,
+                                const geometry::CameraModel& camera) {
+  geometry::DepthRasteriser rendered;
+  rendered.Render(mesh, X_CM, camera, ImageBounds(mesh, X_CM, camera, 0));
+  const geometry::PixelRect& window = rendered.window();
+  SurfaceAgreement agreement;
+  for (int y = 0; y < window.height; ++y) {
+    for (int x = 0; x < window.width; ++x) {
+      const float surface = rendered.depth()[y * window.width + x];
+      const float behind = depth.at<float>(window.y + y, window.x + x) - surface;
+      if (std::abs(behind) < kTolerance) ++agreement.matching;  // false for NaN, as is the next
+      if (behind > 2.0F * kTolerance) ++agreement.see_through;
+    }
+  }
+  return agreement;
+}
+
 }  // namespace secondlook::perception

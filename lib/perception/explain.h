@@ -22,4 +22,15 @@ world::Cluster TakeExplained(const geometry::Mesh& mesh, const Pose& X_CM, const
                              const geometry::CameraModel& camera, int min_left,
                              std::vector<world::Cluster>* clusters);
 
+/// How a surface that should be there agrees with a view.
+struct SurfaceAgreement {
+  int matching{};     ///< Pixels measured within 15 mm of it.
+  int see_through{};  ///< Pixels measured more than 30 mm behind it.
+};
+
+/// Compares the silhouette of `mesh` at X_CM with the measured depth. Pixels without a measurement,
+/// or measured in front of the surface, say nothing.
+SurfaceAgreement CompareSurface(const geometry::Mesh& mesh, const Pose& X_CM, const cv::Mat& depth,
+                                const geometry::CameraModel& camera);
+
 }  // namespace secondlook::perception

@@ -212,84 +212,6 @@ void CheckPose(const Pose& X, const char* name) {
   if (!IsValid(X)) Throw<InvalidArgument>("registration: {} is not finite and rigid", name);
 }
 
-/// Registers from one start; see RegisterView.
-ViewRegistration RegisterFrom(const Pose& start_X_WC, const std::vector<SurfacePoint>& points_C,
-                              const Target& target, const Pose& nominal_X_WC,
-                              const PoseCovariance& covariance,
-                              const Eigen::LLT<PoseCovariance>& prior,
-                              const RegisterConfig& config) {
-  ViewRegistration result;
-  result.X_WC = nominal_X_WC;
-  result.covariance = covariance;
-
-  const double min_cosine = std::cos(config.max_normal_angle_deg * kDegree);
-  // The gate reaches its last width after two thirds of the iterations.
-  const double shrink = std::pow(config.last_gate_m / config.first_gate_m,
-                                 1.0 / std::max(1.0, config.iterations / 1.5));
-  Pose X_WC = start_X_WC;
-  double gate = config.first_gate_m;
-  std::vector<PointPlanePair> pairs;
-  geometry::PointPlaneStep step;
-  for (int i = 0; i < config.iterations; ++i) {
-    pairs = FindPairs(points_C, target, X_WC, gate, min_cosine);
-    step = geometry::SolvePointToPlane(pairs, config.min_constraint);
-    X_WC = step.X * X_WC;
-    const bool settled =
-        (step.X * X_WC.translation() - X_WC.translation()).norm() < kSmallMove &&
-        RotationDistance(step.X.linear(), Eigen::Matrix3d::Identity()) < kSmallTurn;
-    if (settled && gate <= config.last_gate_m) break;
-    gate = std::max(config.last_gate_m, gate * shrink);
-  }
-  result.constrained = step.constrained;
-  result.pairs = static_cast<int>(pairs.size());
-  result.rms = Rms(pairs);
-  if (result.pairs < config.min_pairs || result.constrained == 0) {
-    result.reason = fmt::format(
-        "{} pairs within {:.0f} mm of {} points hold {} directions; at least {} pairs are wanted",
-        result.pairs, 1000.0 * config.last_gate_m, points_C.size(), result.constrained,
-        config.min_pairs);
-    return result;
-  }
-  const Vector6 moved = Between(nominal_X_WC, X_WC);
-  result.sigmas = prior.matrixL().solve(moved).norm();
-  if (result.sigmas > config.max_sigmas) {
-    result.reason = fmt::format(
-        "the result is {:.1f} sigma from the nominal pose ({:.0f} mm, {:.1f} deg); at most {:.1f} "
-        "are believed",
-        result.sigmas, 1000.0 * moved.tail<3>().norm(), moved.head<3>().norm() / kDegree,
-        config.max_sigmas);
-    return result;
-  }
-  result.X_WC = X_WC;
-  result.accepted = true;
-  const PoseCovariance prior_information = prior.solve(PoseCovariance::Identity());
-  const PoseCovariance information =
-      prior_information + HeldInformation(pairs, step, X_WC.translation(), config.min_constraint) /
-                              config.pairs_per_independent;
-  result.covariance = information.llt().solve(PoseCovariance::Identity());
-  return result;
-}
-
-/// Poses one and a half sigma off the nominal one along its three least known directions, both
-/// ways.
-std::vector<Pose> OtherStarts(const Pose& nominal_X_WC, const PoseCovariance& covariance) {
-  constexpr double kSigmas = 1.5;
-  // In metres throughout: a turn counts by how far it moves what is about a metre away.
-  const Eigen::SelfAdjointEigenSolver<PoseCovariance> eigen(covariance);
-  std::vector<Pose> starts;
-  for (const int i : {5, 4, 3}) {
-    const Vector6 offset =
-        kSigmas * std::sqrt(eigen.eigenvalues()[i]) * eigen.eigenvectors().col(i);
-    for (const double sign : {1.0, -1.0}) {
-      Pose X_WC = nominal_X_WC;
-      X_WC.linear() = RotationFromVector(sign * offset.head<3>()) * X_WC.linear();
-      X_WC.translation() += sign * offset.tail<3>();
-      starts.push_back(X_WC);
-    }
-  }
-  return starts;
-}
-
 }  // namespace
 
 void RegisterConfig::Validate() const {
@@ -458,17 +380,57 @@ ViewRegistration RegisterView(const std::vector<SurfacePoint>& points_C,
   if (!covariance.allFinite() || prior.info() != Eigen::Success) {
     Throw<InvalidArgument>("registration: the covariance of X_WC is not positive definite");
   }
+  ViewRegistration result;
+  result.X_WC = nominal_X_WC;
+  result.covariance = covariance;
+
   const Target target(reference);
-  ViewRegistration best =
-      RegisterFrom(nominal_X_WC, points_C, target, nominal_X_WC, covariance, prior, config);
-  if (best.accepted) return best;
-  // Caught in a wrong minimum, perhaps: begin elsewhere within what the nominal pose may be off.
-  for (const Pose& start_X_WC : OtherStarts(nominal_X_WC, covariance)) {
-    const ViewRegistration other =
-        RegisterFrom(start_X_WC, points_C, target, nominal_X_WC, covariance, prior, config);
-    if (other.accepted && (!best.accepted || other.pairs > best.pairs)) best = other;
+  const double min_cosine = std::cos(config.max_normal_angle_deg * kDegree);
+  // The gate reaches its last width after two thirds of the iterations.
+  const double shrink = std::pow(config.last_gate_m / config.first_gate_m,
+                                 1.0 / std::max(1.0, config.iterations / 1.5));
+  Pose X_WC = nominal_X_WC;
+  double gate = config.first_gate_m;
+  std::vector<PointPlanePair> pairs;
+  geometry::PointPlaneStep step;
+  for (int i = 0; i < config.iterations; ++i) {
+    pairs = FindPairs(points_C, target, X_WC, gate, min_cosine);
+    step = geometry::SolvePointToPlane(pairs, config.min_constraint);
+    X_WC = step.X * X_WC;
+    const bool settled =
+        (step.X * X_WC.translation() - X_WC.translation()).norm() < kSmallMove &&
+        RotationDistance(step.X.linear(), Eigen::Matrix3d::Identity()) < kSmallTurn;
+    if (settled && gate <= config.last_gate_m) break;
+    gate = std::max(config.last_gate_m, gate * shrink);
   }
-  return best;
+  result.constrained = step.constrained;
+  result.pairs = static_cast<int>(pairs.size());
+  result.rms = Rms(pairs);
+  if (result.pairs < config.min_pairs || result.constrained == 0) {
+    result.reason = fmt::format(
+        "{} pairs within {:.0f} mm of {} points hold {} directions; at least {} pairs are wanted",
+        result.pairs, 1000.0 * config.last_gate_m, points_C.size(), result.constrained,
+        config.min_pairs);
+    return result;
+  }
+  const Vector6 moved = Between(nominal_X_WC, X_WC);
+  result.sigmas = prior.matrixL().solve(moved).norm();
+  if (result.sigmas > config.max_sigmas) {
+    result.reason = fmt::format(
+        "the result is {:.1f} sigma from the nominal pose ({:.0f} mm, {:.1f} deg); at most {:.1f} "
+        "are believed",
+        result.sigmas, 1000.0 * moved.tail<3>().norm(), moved.head<3>().norm() / kDegree,
+        config.max_sigmas);
+    return result;
+  }
+  result.X_WC = X_WC;
+  result.accepted = true;
+  const PoseCovariance prior_information = prior.solve(PoseCovariance::Identity());
+  const PoseCovariance information =
+      prior_information + HeldInformation(pairs, step, X_WC.translation(), config.min_constraint) /
+                              config.pairs_per_independent;
+  result.covariance = information.llt().solve(PoseCovariance::Identity());
+  return result;
 }
 
 }  // namespace secondlook::perception

@@ -152,8 +152,12 @@ std::vector<ColorPair> PairColors(const RecognitionModel& model, const View& vie
   return pairs;
 }
 
-std::string ReasonAgainst(const world::Verification& v, double explained, double unmeasured,
-                          double lowest, const VerifyConfig& config) {
+std::string ReasonAgainst(const world::Verification& v, double inner, double explained,
+                          double unmeasured, double lowest, const VerifyConfig& config) {
+  if (inner < config.min_inner) {
+    return fmt::format("only {:.0f} % of its silhouette is no rim (at least {:.0f} %): too thin",
+                       100 * inner, 100 * config.min_inner);
+  }
   if (v.visible < config.min_visible_px) {
     return fmt::format("only {} pixels of it are visible (at least {})", v.visible,
                        config.min_visible_px);
@@ -249,7 +253,11 @@ world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, cons
     result.color_agreement =
         CompareColors(PairColors(model, view, seen, result.matching + unmeasured, *rasteriser));
   }
-  result.reason = ReasonAgainst(result, explained, 1.0 * unmeasured / std::max(1, result.rendered),
+  const auto silhouette = static_cast<double>(
+      std::count_if(rasteriser->triangle().begin(), rasteriser->triangle().end(),
+                    [](int triangle) { return triangle >= 0; }));
+  result.reason = ReasonAgainst(result, result.rendered / std::max(1.0, silhouette), explained,
+                                1.0 * unmeasured / std::max(1, result.rendered),
                                 LowestHeight(model, X_CM, view.plane_C), config);
   result.accepted = result.reason.empty();
   *score = ScoreOf(result, explained);

@@ -20,8 +20,8 @@ class PlaneGrid {
   int rows() const { return rows_; }
   int columns() const { return columns_; }
 
-  /// The point `height` above the centre of a cell.
-  Vector3d Center(int row, int column, double height) const {
+  /// The point `height` above the plane at a row and column; whole numbers are centres of cells.
+  Vector3d At(double row, double column, double height) const {
     const auto& c = plane_.corners_A;
     return c[0] + (c[3] - c[0]) * ((row + 0.5) / rows_) +
            (c[1] - c[0]) * ((column + 0.5) / columns_) + height * plane_.normal_A;
@@ -59,7 +59,7 @@ std::vector<AlignedBox3d> HiddenRegions(const world::VoxelSpace& space,
   std::vector<char> hidden(static_cast<std::size_t>(grid.rows()) * grid.columns(), 0);
   for (int row = 0; row < grid.rows(); ++row) {
     for (int column = 0; column < grid.columns(); ++column) {
-      const Vector3d p_WQ = grid.Center(row, column, config.height_m);
+      const Vector3d p_WQ = grid.At(row, column, config.height_m);
       hidden[index(row, column)] = space.At(p_WQ) == world::Occupancy::kUnknown &&
                                    !NearKnown(p_WQ, known_W, config.clearance_m);
     }
@@ -81,8 +81,12 @@ std::vector<AlignedBox3d> HiddenRegions(const world::VoxelSpace& space,
         const auto [r, c] = stack.back();
         stack.pop_back();
         ++regions.back().cells;
-        regions.back().box_W.extend(grid.Center(r, c, 0.0));
-        regions.back().box_W.extend(grid.Center(r, c, config.box_height_m));
+        for (const double height : {0.0, config.box_height_m}) {
+          for (const auto& [row_edge, column_edge] :
+               {std::pair{-0.5, -0.5}, {-0.5, 0.5}, {0.5, -0.5}, {0.5, 0.5}}) {
+            regions.back().box_W.extend(grid.At(r + row_edge, c + column_edge, height));
+          }
+        }
         for (const auto& [dr, dc] : {std::pair{0, 1}, {0, -1}, {1, 0}, {-1, 0}}) {
           const int nr = r + dr;
           const int nc = c + dc;

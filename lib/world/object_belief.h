@@ -11,7 +11,7 @@
 
 namespace secondlook::world {
 
-/// How settled an object is (DESIGN.md, "The cycle").
+/// How settled an object is.
 enum class ObjectState { kCandidate, kVerified, kRejected, kUnknown, kModelling, kModelled };
 
 /// The name of a state as mission.json writes it, e.g. "verified".

@@ -57,5 +57,19 @@ TEST(TakeExplained, TakesNothingMeasuredElsewhere) {
   EXPECT_EQ(clusters[0].pixels, pixels);
 }
 
+TEST(CompareSurface, TellsWhatIsThereFromWhatIsSeenThrough) {
+  const auto [depth, pixels] = Wall(10, 54);
+  const geometry::Mesh box = geometry::MakeBox({0.2, 0.2, 0.2}, {1, 1, 1});
+  // The front of a box of 0.2 m covers 12 x 12 pixels at 1 m.
+  const SurfaceAgreement there = CompareSurface(box, InFront(0.0, 1.1), depth, kCamera);
+  EXPECT_NEAR(there.matching, 144, 15);
+  EXPECT_EQ(there.see_through, 0);
+  const SurfaceAgreement nearer = CompareSurface(box, InFront(0.0, 1.0), depth, kCamera);
+  EXPECT_EQ(nearer.matching, 0);
+  EXPECT_GT(nearer.see_through, 144);
+  const SurfaceAgreement hidden = CompareSurface(box, InFront(0.0, 1.3), depth, kCamera);
+  EXPECT_EQ(hidden.matching + hidden.see_through, 0);
+}
+
 }  // namespace
 }  // namespace secondlook::perception

@@ -36,6 +36,15 @@ TEST(HiddenRegions, LeavesOutWhatAKnownThingStandsOn) {
   EXPECT_TRUE(HiddenRegions(space, Table(), {thing}, {}).empty());
 }
 
+TEST(HiddenRegions, GivesARegionOneCellWideAWidth) {
+  world::VoxelSpace space;
+  space.ClearBox(AlignedBox3d(Vector3d(-0.7, -0.5, 0.7), Vector3d(0.7, 0.5, 1.0)));
+  space.RemoveRegion(AlignedBox3d(Vector3d(-0.4, 0.0, 0.7), Vector3d(0.4, 0.015, 1.0)));
+  for (const AlignedBox3d& box : HiddenRegions(space, Table(), {}, {})) {
+    EXPECT_GT(box.sizes().minCoeff(), 0.02);
+  }
+}
+
 TEST(HiddenRegions, PutsTheLargestFirstAndLeavesOutTheTiny) {
   world::VoxelSpace space;
   space.ClearBox(AlignedBox3d(Vector3d(-0.7, -0.5, 0.7), Vector3d(0.7, 0.5, 1.0)));
