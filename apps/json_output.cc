@@ -1,7 +1,10 @@
 #include "apps/json_output.h"
 
-#include <fmt/format.h>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 
+#include "lib/common/error.h"
 #include "lib/common/files.h"
 
 namespace secondlook::apps {
@@ -9,7 +12,10 @@ namespace secondlook::apps {
 void WriteJson(const nlohmann::ordered_json& json, const std::string& target) {
   const std::string text = json.dump(1) + "\n";
   if (target == "-") {
-    fmt::print("{}", text);
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() ||
+        std::fflush(stdout) != 0) {
+      Throw<ConfigError>("standard output: cannot be written: {}", std::strerror(errno));
+    }
   } else {
     WriteFile(target, text);
   }

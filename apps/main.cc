@@ -1,3 +1,6 @@
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 
 #include <spdlog/spdlog.h>
@@ -28,6 +31,9 @@ int Run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kWrongInput;
+  }
+  if (std::fflush(stdout) != 0) {
+    Throw<ConfigError>("standard output: cannot be written: {}", std::strerror(errno));
   }
   return status;
 }

@@ -16,6 +16,9 @@ namespace secondlook::apps {
 
 void WriteReport(const RunConfig& config, const Mission& mission,
                  const std::filesystem::path& folder) {
+  // A picture of an earlier mission would pass for one of this.
+  for (int i = 0; std::filesystem::remove(folder / fmt::format("view_{}.png", i)); ++i) {
+  }
   WriteJson(ToJson(mission.belief(), mission.record(), config.seed),
             (folder / "mission.json").string());
   SaveRunConfig(config, folder / "config.yaml");

@@ -2,10 +2,11 @@
 
 namespace secondlook::apps {
 
-/// Lets SIGINT and SIGTERM ask for a safe stop instead of ending the process. Call once, from main.
+/// Lets SIGINT, SIGTERM and SIGHUP ask for a safe stop instead of ending the process. Call once,
+/// from main.
 void CatchStopSignals();
 
-/// The signal that has asked for a stop (SIGINT or SIGTERM), or 0. From any thread.
+/// The signal that has asked for a stop (its number), or 0. From any thread.
 int StopSignal();
 
 }  // namespace secondlook::apps

@@ -27,7 +27,12 @@ void Run(Options options) {
   if (options.name != "missions") {
     Throw<InvalidArgument>("there is no experiment '{}'; known: missions", options.name);
   }
-  RunMissionsExperiment(experiment);
+  try {
+    RunMissionsExperiment(experiment);
+  } catch (const nlohmann::json::exception& error) {
+    Throw<ConfigError>("{}: its trials cannot be read, so they cannot be resumed: {}",
+                       experiment.json, error.what());
+  }
 }
 
 }  // namespace

@@ -190,7 +190,7 @@ void Recognise(const RecogniseOptions& options) {
   const perception::Segmentation segmentation =
       perception::Segment(geometry::Deproject(depth, lens.camera), up_C, segment_config);
   if (!segmentation.plane_C) {
-    Throw<InvalidArgument>("{}: no support plane: {}", options.depth, segmentation.reason);
+    Throw<InvalidArgument>("{}: {}", options.depth, segmentation.reason);
   }
   const perception::RecogniseConfig config;
   const perception::View view =

@@ -49,13 +49,13 @@ void PrintPlan(const std::optional<TakenLook>& plan) {
 }
 
 int Run(const RunOptions& options) {
+  CatchStopSignals();
   const RunConfig config = LoadRunConfig(options.config, options.overrides);
   if (!options.report.empty()) MakeWritableFolder(options.report);
   const ThreadLimit threads(config.threads);
   const auto database = world::ObjectDatabase::Load(config.models);
   RequireKnownClasses(config.task, database);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
-  CatchStopSignals();
   Mission mission(
       config.mission, config.task, database, ready.calibration, config.seed,
       [] { return StopSignal() != 0; }, &ready.robot);

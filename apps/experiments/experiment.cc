@@ -53,13 +53,12 @@ Json ResultOf(const std::string& name, const ExperimentOptions& options,
   return result;
 }
 
-void Print(const Json& result) {
-  fmt::print("\n{} ({} trials, seed {})\n", result["name"].get<std::string>(),
-             result["trials"].get<int>(), result["seed"].get<std::uint64_t>());
-  for (const Json& row : result["rows"]) {
-    fmt::print("  {:44} {:9.4f}   95 % [{:.4f}, {:.4f}]\n", row["metric"].get<std::string>(),
-               row["value"].get<double>(), row["ci95"][0].get<double>(),
-               row["ci95"][1].get<double>());
+void Print(const std::string& name, std::uint64_t seed, std::size_t trials,
+           const std::vector<Row>& rows) {
+  fmt::print("\n{} ({} trials, seed {})\n", name, trials, seed);
+  for (const Row& row : rows) {
+    fmt::print("  {:50} {:9.4f}   95 % [{:.4f}, {:.4f}]\n", row.metric, row.estimate.value,
+               row.estimate.low, row.estimate.high);
   }
 }
 
@@ -100,7 +99,7 @@ std::vector<Json> RunTrials(
   });
   const Json all = result();
   if (!options.json.empty()) WriteJson(all, options.json);
-  if (options.json != "-") Print(all);
+  if (options.json != "-") Print(name, options.seed, details().size(), summarise(details()));
   return details();
 }
 

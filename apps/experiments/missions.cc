@@ -75,7 +75,7 @@ Json RunTrial(const sim::Scene& scene, const ExperimentOptions& options,
   trial["processor_seconds"] = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   trial["verdicts"] = Json::array();
   for (const Verdict& verdict : Judge(mission, *simulated.world)) {
-    trial["verdicts"].push_back(ToJson(verdict));
+    trial.at("verdicts").push_back(ToJson(verdict));
   }
   if (!report.empty()) {
     sim::SaveScene(scene, report / "scene.yaml");
@@ -106,25 +106,25 @@ std::vector<Row> Summarise(const std::vector<Json>& trials) {
   std::vector<double> height_error_mm;
   std::vector<double> tilt_error_deg;
   for (const Json& trial : trials) {
-    for (const Json& v : trial["verdicts"]) {
-      const std::string kind = v["verdict"];
-      if (v["truth"] != "") ++(v["known"] ? known : unknown);
+    for (const Json& v : trial.at("verdicts")) {
+      const std::string kind = v.at("verdict");
+      if (v.at("truth") != "") ++(v.at("known") ? known : unknown);
       if (kind == "right") ++right;
       if (kind == "wrong") ++wrong;
       if (kind == "unknown right") ++unknown_right;
       if (kind != "right") continue;
-      error_mm.push_back(v["error_mm"]);
-      error_deg.push_back(v["error_deg"]);
-      height_error_mm.push_back(v["height_error_mm"]);
-      tilt_error_deg.push_back(v["tilt_error_deg"]);
+      error_mm.push_back(v.at("error_mm"));
+      error_deg.push_back(v.at("error_deg"));
+      height_error_mm.push_back(v.at("height_error_mm"));
+      tilt_error_deg.push_back(v.at("tilt_error_deg"));
     }
-    const std::string end = trial["end"];
+    const std::string end = trial.at("end");
     if (end == "unfinished") ++unfinished;
     if (end == "settled") ++settled;
-    if (trial["collisions"] > 0) ++with_collision;
-    looks.push_back(trial["looks"]);
-    seconds.push_back(trial["robot_seconds"]);
-    metres.push_back(trial["metres"]);
+    if (trial.at("collisions") > 0) ++with_collision;
+    looks.push_back(trial.at("looks"));
+    seconds.push_back(trial.at("robot_seconds"));
+    metres.push_back(trial.at("metres"));
   }
   const int count = static_cast<int>(trials.size());
   return {{"known objects right", Proportion(right, known)},

@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace secondlook::apps {
 namespace {
 
 constexpr double kZ95 = 1.959963984540054;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
 Estimate Proportion(int hits, int count) {
-  if (count == 0) return {0.0, 0.0, 1.0};
+  if (count == 0) return {kNone, 0.0, 1.0};
   const double n = count;
   const double p = hits / n;
   const double z2 = kZ95 * kZ95;
@@ -21,7 +23,7 @@ Estimate Proportion(int hits, int count) {
 }
 
 Estimate Mean(const std::vector<double>& values) {
-  if (values.empty()) return {};
+  if (values.empty()) return {kNone, kNone, kNone};
   const double n = static_cast<double>(values.size());
   double mean = 0.0;
   for (const double value : values) mean += value / n;

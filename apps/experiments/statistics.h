@@ -11,11 +11,11 @@ struct Estimate {
   double high{};
 };
 
-/// The share of `hits` among `count` with Wilson's score interval; 0 in [0, 1] for count = 0.
+/// The share of `hits` among `count` with Wilson's score interval; NaN in [0, 1] for count = 0.
 Estimate Proportion(int hits, int count);
 
-/// The mean of `values` with the normal interval of its standard error; 0 for none. With one value
-/// the interval is that value.
+/// The mean of `values` with the normal interval of its standard error; all NaN for none. With one
+/// value the interval is that value.
 Estimate Mean(const std::vector<double>& values);
 
 }  // namespace secondlook::apps

@@ -27,7 +27,18 @@ std::string ReadFile(const fs::path& path) {
   return content;
 }
 
-void WriteFile(const fs::path& path, std::string_view content) {
+void WriteFile(const fs::path& target, std::string_view content) {
+  std::error_code none;
+  // Through a link to what it points at; a device or a pipe is written to, never replaced.
+  fs::path path = fs::is_symlink(target, none) ? fs::weakly_canonical(target, none) : target;
+  if (path.empty()) path = target;
+  if (fs::exists(path, none) && !fs::is_regular_file(path, none) && !fs::is_directory(path, none)) {
+    std::ofstream out(path, std::ios::binary);
+    out.write(content.data(), static_cast<std::streamsize>(content.size()));
+    out.flush();
+    if (!out) Throw<ConfigError>("{}: cannot be written: {}", path.string(), std::strerror(errno));
+    return;
+  }
   if (path.has_parent_path()) {
     std::error_code error;
     fs::create_directories(path.parent_path(), error);

@@ -84,6 +84,10 @@ const std::string* SharedName(const std::vector<ObjectModel>& models) {
 }
 
 void CheckName(const std::string& name) {
+  if (name == "unknown") {
+    throw ConfigError(
+        "model name 'unknown' is what an object is called that no model fits; choose another");
+  }
   const bool plain = !name.empty() && name.front() != '.' &&
                      std::all_of(name.begin(), name.end(), [](unsigned char c) {
                        return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';

@@ -21,7 +21,8 @@ TEST(CameraInBase, LooksForwardFromItsHeightWhenTheHeadIsStraight) {
 }
 
 TEST(CameraInBase, PansToTheLeftAndTiltsDown) {
-  const Pose X_BC = CameraInBase(HeadCalibration::AtHeight(1.0), {std::numbers::pi / 2, std::numbers::pi / 6});
+  const Pose X_BC =
+      CameraInBase(HeadCalibration::AtHeight(1.0), {std::numbers::pi / 2, std::numbers::pi / 6});
   const Vector3d ahead = X_BC.linear() * Vector3d::UnitZ();
   EXPECT_TRUE(ahead.isApprox(Vector3d(0, std::cos(std::numbers::pi / 6), -0.5), 1e-12));
 }

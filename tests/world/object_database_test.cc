@@ -146,5 +146,10 @@ TEST(ObjectDatabase, RefusesTwoModelsOfOneName) {
   EXPECT_THROWS(ObjectDatabase({model, model}), InvalidArgument, "two objects are named 'mug'");
 }
 
+TEST(AddModel, RefusesTheNameThatMeansNoModel) {
+  EXPECT_THROWS(AddModel("any.obj", geometry::LengthUnit::kMetre, "unknown", "any"), ConfigError,
+                "model name 'unknown' is what an object is called that no model fits");
+}
+
 }  // namespace
 }  // namespace secondlook::world
