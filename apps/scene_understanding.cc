@@ -375,6 +375,7 @@ void SceneUnderstanding::ExamineTurns(ObjectBelief* object) {
     double rival_margin = 0.0;  // how much of the lead it needs `best` lacks over it
     bool better = false;
     for (const Pose& X_MS : turns) {
+      if (perception::LeavesItsRest(model, best.X_WM, X_MS, belief_.plane_W->normal_A)) continue;
       PoseHypothesis turned;
       turned.model = best.model;
       turned.X_WM = best.X_WM * X_MS;

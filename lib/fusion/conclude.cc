@@ -41,6 +41,7 @@ bool Accepted(const PoseHypothesis& hypothesis, const ConcludeConfig& config) {
   double all = 0.0;
   for (const ViewEvidence& e : hypothesis.evidence) {
     const world::Verification& v = e.hypothesis.verification;
+    if (!v.accepted && v.visible < config.min_objecting_px) continue;
     all += v.visible;
     if (!v.accepted) continue;
     accepting += v.visible;

@@ -26,6 +26,8 @@ struct ConcludeConfig {
   double min_color_agreement = 0.78;
   /// Of all the pixels that the views saw of it, so many are in views that accept it.
   double min_accepting = 0.8;
+  /// A view that saw fewer pixels of it may accept it, but its objection does not count.
+  int min_objecting_px = 250;
   /// Each view's masses are discounted by this (Shafer): views share errors.
   double view_reliability = 0.97;
   /// An object is unknown when at least this many views saw it …
@@ -43,6 +45,7 @@ struct ConcludeConfig {
     a->Visit("min_near_lead", &min_near_lead);
     a->Visit("min_color_agreement", &min_color_agreement);
     a->Visit("min_accepting", &min_accepting);
+    a->Visit("min_objecting_px", &min_objecting_px);
     a->Visit("view_reliability", &view_reliability);
     a->Visit("unknown_views", &unknown_views);
     a->Visit("unknown_ignorance", &unknown_ignorance);

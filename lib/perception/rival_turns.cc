@@ -1,11 +1,43 @@
 #include "lib/perception/rival_turns.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace secondlook::perception {
 namespace {
 
 constexpr int kAxisSteps = 24;
+/// So near to a resting pose a model rests, and so much farther from it it does not.
+constexpr double kRest_rad = 0.09;
+constexpr double kOffRest_rad = 0.07;
+
+/// The angle between two directions in M, up to the symmetry of shape [rad].
+double AngleUpToSymmetry(const Eigen::Vector3d& a_M, const Eigen::Vector3d& b_M,
+                         const Symmetry& symmetry) {
+  const auto angle = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+  };
+  double least = std::numbers::pi;
+  for (const SymmetryMotion& motion : symmetry.motions) {
+    const Eigen::Vector3d moved_M = motion.X_MS.linear() * a_M;
+    least = std::min(least, symmetry.axis ? std::abs(angle(moved_M, symmetry.axis->direction) -
+                                                     angle(b_M, symmetry.axis->direction))
+                                          : angle(moved_M, b_M));
+  }
+  return least;
+}
+
+/// How far the model at X_WM is from the nearest pose in which it rests on a plane [rad].
+double AngleFromRest(const RecognitionModel& model, const Pose& X_WM,
+                     const Eigen::Vector3d& normal_W) {
+  const Eigen::Vector3d down_M = -(X_WM.linear().transpose() * normal_W);
+  double nearest = std::numbers::pi;
+  for (const Eigen::Vector3d& resting_M : model.resting_M) {
+    nearest = std::min(nearest, AngleUpToSymmetry(down_M, resting_M, model.symmetry));
+  }
+  return nearest;
+}
 
 /// True when the symmetry makes `turn` no turn at all.
 bool IsNoTurn(const RecognitionModel& model, const Pose& turn, double angle) {
@@ -36,6 +68,12 @@ std::vector<Pose> RivalTurns(const RecognitionModel& model, double angle) {
   }
   std::erase_if(turns, [&](const Pose& turn) { return IsNoTurn(model, turn, angle); });
   return turns;
+}
+
+bool LeavesItsRest(const RecognitionModel& model, const Pose& X_WM, const Pose& X_MS,
+                   const Eigen::Vector3d& normal_W) {
+  const double before = AngleFromRest(model, X_WM, normal_W);
+  return before < kRest_rad && AngleFromRest(model, X_WM * X_MS, normal_W) > before + kOffRest_rad;
 }
 
 }  // namespace secondlook::perception

@@ -200,9 +200,10 @@ struct PlaneSearch {
   std::string reason;
 };
 
-/// Of the planes with a normal near `up`, the highest that is large enough.
+/// Of the planes with a normal near `up` that are large enough, the highest, or the largest where
+/// the floor is out of the question.
 PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vector<int>& candidates,
-                             const Vector3d& up, const SegmentConfig& config) {
+                             const Vector3d& up, const SegmentConfig& config, bool floor_is_out) {
   Rng rng(1);  // chance in finding a plane, not in the result: any seed serves
   const std::size_t stride = std::max<std::size_t>(1, candidates.size() / kRansacPoints);
   std::vector<Vector3f> sample;
@@ -212,8 +213,8 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
   std::vector<int> left = candidates;
   Vector3d level = up;
   double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
-  PlaneSearch highest;
-  double highest_height = 0.0;
+  PlaneSearch best;
+  double best_rank = 0.0;
   int most_points = 0;
   double largest_area = 0.0;
   for (int round = 0; round < kMaxPlanes && sample.size() >= 10; ++round) {
@@ -246,13 +247,14 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     max_tilt = kMaxTiltBetweenPlanes;
     double height = 0.0;
     for (const Vector3d& p : patch) height += level.dot(p) / static_cast<double>(patch.size());
-    if (highest.plane && height < highest_height) continue;
-    highest_height = height;
-    highest.plane = {plane->normal, plane->offset, corners, static_cast<int>(patch.size())};
-    highest.patch = std::move(patch);
+    const double rank = floor_is_out ? area : height;
+    if (best.plane && rank < best_rank) continue;
+    best_rank = rank;
+    best.plane = {plane->normal, plane->offset, corners, static_cast<int>(patch.size())};
+    best.patch = std::move(patch);
   }
-  if (!highest.plane) {
-    highest.reason = fmt::format(
+  if (!best.plane) {
+    best.reason = fmt::format(
         "no support plane: of the planes within {} deg of level, the one with the most points has "
         "{} "
         "(needs {}) and the largest covers {:.3f} m2 (needs {}, and a width of {} m); {} points "
@@ -261,7 +263,7 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
         config.max_tilt_deg, most_points, config.min_plane_points, largest_area,
         config.min_plane_area_m2, config.min_plane_width_m, candidates.size(), config.max_range_m);
   }
-  return highest;
+  return best;
 }
 
 /// Groups points whose distance is below `gap`, by voxels of half that size; labels count from 0.
@@ -397,7 +399,7 @@ Segmentation Segment(const geometry::PointImage& cloud, const Vector3d& up_C,
   RefuseWrongUnit(cloud);
   const Vector3d up = up_C.normalized();
   const std::vector<int> candidates = Candidates(cloud, up, config.max_range_m, max_drop);
-  PlaneSearch search = FindSupportPlane(cloud, candidates, up, config);
+  PlaneSearch search = FindSupportPlane(cloud, candidates, up, config, std::isfinite(max_drop));
   if (!search.plane) return {std::nullopt, {}, {}, search.reason};
 
   const std::vector<int> above =

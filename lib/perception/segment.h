@@ -57,7 +57,8 @@ struct Segmentation {
 /// (the floor is not a table either), then what stands on it: points over the convex extent of the
 /// plane, clustered by Euclidean distance.
 /// Points lower than `max_drop` [m] below the camera are left out: where the camera's height is
-/// known, that takes the floor out of the question.
+/// known, that takes the floor out of the question, and the largest plane is taken instead of the
+/// highest (a crate beside the table may be higher).
 /// Deterministic: the same points give the same result.
 /// @throws InvalidArgument when `up_C` is not finite or zero, or when the cloud's values show that
 /// it is not in metres (the median distance is over 50 m).

@@ -46,5 +46,18 @@ TEST(RivalTurns, TurnsAPrintedCanAllTheWayRound) {
   EXPECT_GE(turns.size(), 4U + 23U);
 }
 
+TEST(LeavesItsRest, IsTrueOfATiltAndFalseOfATurnOnTheSpot) {
+  const RecognitionModel box = Model(geometry::MakeBox({0.1, 0.15, 0.2}, {0.5F, 0.5F, 0.5F}));
+  const Pose X_WM = ToPose(Pose2{1.0, 2.0, 0.5});
+  const auto turn = [](const Eigen::Vector3d& axis) {
+    return TurnAbout({Eigen::Vector3d::Zero(), axis}, 7.0 * kDegree);
+  };
+  EXPECT_TRUE(LeavesItsRest(box, X_WM, turn(Eigen::Vector3d::UnitX()), Eigen::Vector3d::UnitZ()));
+  EXPECT_FALSE(LeavesItsRest(box, X_WM, turn(Eigen::Vector3d::UnitZ()), Eigen::Vector3d::UnitZ()));
+  // Leaning on something already, it is not at rest to begin with.
+  const Pose X_WL = X_WM * TurnAbout({Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX()}, 0.4);
+  EXPECT_FALSE(LeavesItsRest(box, X_WL, turn(Eigen::Vector3d::UnitY()), Eigen::Vector3d::UnitZ()));
+}
+
 }  // namespace
 }  // namespace secondlook::perception

@@ -111,6 +111,14 @@ TEST(Segment, IgnoresTheFloorWhereTheCameraHeightIsKnown) {
   EXPECT_THAT(result.reason, testing::HasSubstr("no support plane"));
 }
 
+TEST(Segment, TakesTheTableAndNotAHigherCrateWhereTheFloorIsOut) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Rectangle({0.8, 0.6, -0.35}, {0.3, 0, 0}, {0, 0.3, 0});  // the top of a crate
+  const Segmentation result = Segment(scene.cloud(), kUp, {}, 1.0);
+  ASSERT_TRUE(result.plane_C) << result.reason;
+  EXPECT_NEAR(result.plane_C->offset, -0.5, 0.005);
+}
+
 TEST(Segment, SaysWhyThereIsNoPlaneWhereThereIsOnlyAWall) {
   SceneCloud scene;
   scene.Rectangle({1.5, -1.0, -1.0}, {0, 2.0, 0}, {0, 0, 2.0});
