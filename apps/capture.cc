@@ -10,6 +10,8 @@ namespace {
 constexpr Duration kKeep = Seconds(10);
 /// How long after a frame's time the states may come in.
 constexpr Duration kSettle = Seconds(0.05);
+/// More frames from the past than this in a row, and the camera's stamps are wrong.
+constexpr int kMaxStale = 10;
 
 }  // namespace
 
@@ -35,9 +37,11 @@ std::optional<Capture> Capturer::Take(Duration timeout) {
   robot_->clock->SleepUntil(robot_->clock->Now() + kSettle);
   Poll();
   const Time begin = robot_->clock->Now();
-  // A frame from before the last motion ended may still have been waiting; no more than one.
+  // Frames from before the last motion ended may still have been waiting, but not for ever.
   std::optional<hal::RgbdFrame> frame = robot_->head_camera->Grab(timeout);
-  if (frame && frame->time < begin - kSettle) frame = robot_->head_camera->Grab(timeout);
+  for (int i = 0; i < kMaxStale && frame && frame->time < begin - kSettle; ++i) {
+    frame = robot_->head_camera->Grab(timeout);
+  }
   if (frame && frame->time < begin - kSettle) {
     Throw<DeviceError>(
         "camera '{}': its newest frame is {:.3f} s old; check its clock and its time stamps",

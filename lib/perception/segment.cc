@@ -247,7 +247,9 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     max_tilt = kMaxTiltBetweenPlanes;
     double height = 0.0;
     for (const Vector3d& p : patch) height += level.dot(p) / static_cast<double>(patch.size());
-    const double rank = floor_is_out ? area : height;
+    // The extent, not what was seen of it: what is far is seen in fewer points.
+    const double extent = cv::contourArea(ConvexExtent(patch, PlaneAxes(plane->normal)));
+    const double rank = floor_is_out ? extent : height;
     if (best.plane && rank < best_rank) continue;
     best_rank = rank;
     best.plane = {plane->normal, plane->offset, corners, static_cast<int>(patch.size())};

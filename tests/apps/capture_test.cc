@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "lib/common/error.h"
+#include "tests/support/expect_throws.h"
 #include "tests/support/fake_robot.h"
 
 namespace secondlook::apps {
@@ -57,6 +59,12 @@ TEST_F(Capturing, SkipsFramesFromBeforeTheLastMotionEnded) {
   world_.now = Time(Seconds(10.0));
   world_.frames = {FrameAt(9.0, 1), FrameAt(9.5, 2), FrameAt(10.02, 3), FrameAt(10.1, 4)};
   EXPECT_EQ(capturer_.Take(Seconds(1.0)).value().frame.sequence, 3U);
+}
+
+TEST_F(Capturing, GivesUpOnACameraWhoseStampsLag) {
+  world_.now = Time(Seconds(10.0));
+  for (int i = 0; i < 20; ++i) world_.frames.push_back(FrameAt(8.0 + 0.01 * i, i + 1));
+  EXPECT_THROWS(capturer_.Take(Seconds(1.0)), DeviceError, "check its clock and its time stamps");
 }
 
 TEST_F(Capturing, IsEmptyWhenNoFrameComesInTime) {
