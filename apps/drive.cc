@@ -12,12 +12,15 @@ using hal::MotionStatus;
 using Kind = DriveOutcome::Kind;
 
 constexpr Duration kPoll = Seconds(0.05);
+/// Every so many polls it is told how far the motion is.
+constexpr int kPollsPerTelling = 5;
 
 /// Waits until `status` no longer says moving.
 DriveOutcome WaitFor(const std::string& what, const std::function<MotionStatus()>& status,
-                     Duration limit, const StopRequest& stop, hal::Robot* robot,
-                     Capturer* capturer) {
+                     Duration limit, const StopRequest& stop, const MotionListener& moving,
+                     hal::Robot* robot, Capturer* capturer) {
   DriveOutcome outcome;
+  int polls = 0;
   const Time deadline = robot->clock->Now() + limit;
   Pose2 last = robot->base->State().X_WB;
   while (true) {
@@ -45,26 +48,27 @@ DriveOutcome WaitFor(const std::string& what, const std::function<MotionStatus()
     }
     robot->clock->SleepUntil(robot->clock->Now() + kPoll);
     capturer->Poll();
+    if (++polls % kPollsPerTelling == 0) moving(outcome.metres);
   }
 }
 
 }  // namespace
 
-DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, hal::Robot* robot,
-                    Capturer* capturer) try {
+DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, const MotionListener& moving,
+                    hal::Robot* robot, Capturer* capturer) try {
   const Duration limit = Seconds(3.0 * look.seconds + 15.0);
   DriveOutcome outcome;
   if (!look.path_W.empty()) {
     robot->base->Start({look.path_W});
     outcome = WaitFor(
-        robot->base->info().name, [&] { return robot->base->Status(); }, limit, stop, robot,
+        robot->base->info().name, [&] { return robot->base->Status(); }, limit, stop, moving, robot,
         capturer);
     if (outcome.kind != Kind::kReached) return outcome;
   }
   robot->head->Start(look.head);
   DriveOutcome head = WaitFor(
-      robot->head->info().name, [&] { return robot->head->Status(); }, limit, stop, robot,
-      capturer);
+      robot->head->info().name, [&] { return robot->head->Status(); }, limit, stop,
+      [&](double metres) { moving(outcome.metres + metres); }, robot, capturer);
   head.metres += outcome.metres;
   return head;
 } catch (...) {

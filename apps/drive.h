@@ -20,12 +20,15 @@ struct DriveOutcome {
 /// Asked often while the robot moves: true when it is to stop.
 using StopRequest = std::function<bool()>;
 
+/// Told often while the robot moves: the metres driven so far.
+using MotionListener = std::function<void(double metres)>;
+
 /// Moves the base along `look.path_W` (not at all when that is empty), then the head to
 /// `look.head`, and waits until both stand still. When `stop` says so, or a motion takes three
 /// times as long as planned plus 15 s, everything is stopped.
 /// @throws DeviceError when a device is lost. Whatever is thrown, everything that can be is stopped
 /// before.
-DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, hal::Robot* robot,
-                    Capturer* capturer);
+DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, const MotionListener& moving,
+                    hal::Robot* robot, Capturer* capturer);
 
 }  // namespace secondlook::apps

@@ -9,6 +9,7 @@
 #include "apps/commands/commands.h"
 #include "lib/common/error.h"
 #include "lib/common/log.h"
+#include "lib/common/version.h"
 
 namespace {
 
@@ -18,7 +19,7 @@ using namespace secondlook::apps;  // NOLINT
 int Run(int argc, char** argv) {
   CLI::App app("Second Look recognises objects on a table and takes the look that settles them.",
                "secondlook");
-  app.set_version_flag("--version", "secondlook 0.1.0");
+  app.set_version_flag("--version", std::string("secondlook ") + kVersion);
   app.require_subcommand(1);
   int status = kDone;
   AddCheck(&app, &status);

@@ -6,9 +6,13 @@
 
 #include <spdlog/spdlog.h>
 
+#include "apps/run_config.h"
 #include "lib/common/error.h"
+#include "lib/common/stopwatch.h"
 #include "lib/fusion/dempster_shafer.h"
 #include "lib/planning/hidden_space.h"
+
+#include "second_look/nav_status_t.hpp"
 
 namespace secondlook::apps {
 namespace {
@@ -36,6 +40,8 @@ constexpr double kMinSupport = 0.15;
 constexpr std::size_t kMaxHypotheses = 4;
 /// A belief below this is none.
 constexpr double kNegligible = 0.02;
+/// The map is told so far around and above the table.
+constexpr double kToldMargin_m = 0.5;
 /// So many looks at hidden space that never got there are enough.
 constexpr int kMaxVain = 3;
 
@@ -47,15 +53,28 @@ void ExtendByModel(const geometry::Mesh& mesh, const Pose& X_WM, Eigen::AlignedB
   }
 }
 
+int PhaseOf(DriveOutcome::Kind kind) {
+  switch (kind) {
+    case DriveOutcome::Kind::kReached:
+      return second_look::nav_status_t::REACHED;
+    case DriveOutcome::Kind::kStopped:
+      return second_look::nav_status_t::STOPPED;
+    default:
+      return second_look::nav_status_t::FAILED;
+  }
+}
+
 }  // namespace
 
 Mission::Mission(const MissionConfig& config, const world::Task& task,
                  const world::ObjectDatabase& database,
                  const kinematics::HeadCalibration& calibration, std::uint64_t seed,
-                 StopRequest stop, hal::Robot* robot)
+                 StopRequest stop, Publisher* publisher, hal::Robot* robot)
     : config_(config),
       task_(task),
+      database_(database),
       robot_(robot),
+      publisher_(publisher),
       calibration_(calibration),
       stop_(std::move(stop)),
       rng_(ForkSeed(seed, "mission")),
@@ -71,15 +90,19 @@ Mission::Mission(const MissionConfig& config, const world::Task& task,
 }
 
 Progress Mission::Step() try {
-  if (searched_ == 0) return Act(*SearchForTable());  // wherever the head looked before
+  if (searched_ == 0) {
+    publisher_->BeginStep();
+    return Act(*SearchForTable());  // wherever the head looked before
+  }
   const std::optional<TakenLook> look = Plan();
   return look ? Act(*look) : progress_;
 } catch (const DeviceError& error) {
-  End(Progress::kNoLook, fmt::format("a device failed: {}", error.what()));
+  End(Progress::kFailed, fmt::format("a device failed: {}", error.what()));
   throw;
 }
 
 std::optional<TakenLook> Mission::Plan() {
+  publisher_->BeginStep();
   const std::optional<Capture> capture = Grab();
   if (!capture) {
     End(Progress::kStopped, "stopped on request");
@@ -92,6 +115,7 @@ std::optional<TakenLook> Mission::Plan() {
 
 /// A frame, or nothing when asked to stop meanwhile.
 std::optional<Capture> Mission::Grab() {
+  publisher_->Doing("grabbing", "waiting for a frame", robot_->clock->Now());
   for (int i = 0; i < config_.looks.frame_tries; ++i) {
     if (stop_()) return std::nullopt;
     std::optional<Capture> capture = capturer_.Take(Seconds(config_.looks.frame_timeout_s));
@@ -118,8 +142,14 @@ void Mission::RequireDepth(const Capture& capture) {
 }
 
 void Mission::Understand(const Capture& capture) {
+  publisher_->Doing("understanding", fmt::format("frame {}", capture.frame.sequence),
+                    robot_->clock->Now());
+  publisher_->Image(capture.frame);
   Charge(config_.looks.understand_seconds);
+  const Stopwatch watch;
   const std::string reason = scene_.Add(capture);
+  stages_.push_back({"understand", config_.looks.understand_seconds, watch.Seconds()});
+  TellView(capture, reason);
   if (!reason.empty()) {
     spdlog::warn("nothing learned from frame {}: {}", capture.frame.sequence, reason);
     vain_views_W_.push_back(capture.X_WC.translation());
@@ -218,7 +248,10 @@ std::optional<TakenLook> Mission::Choose(const Question& question) {
 
 /// The candidates for all that is open, scored; `look` is the best, chosen or not.
 TakenLook Mission::ScoreLooks(const Question& question) {
+  publisher_->Doing("choosing", fmt::format("{} open objects", question.open.size()),
+                    robot_->clock->Now());
   Charge(config_.looks.plan_seconds);
+  const Stopwatch watch;
   const hal::BaseInfo& base = robot_->base->info();
   const std::vector<world::SupportPlane> supports_W{*belief().plane_W};
   Vector3d center_W = Vector3d::Zero();
@@ -256,6 +289,8 @@ TakenLook Mission::ScoreLooks(const Question& question) {
     taken.look.kind = "none";
     taken.look.reason = choice.reason;
   }
+  stages_.push_back({"choose", config_.looks.plan_seconds, watch.Seconds()});
+  publisher_->Candidates(taken.candidates, robot_->clock->Now());
   return taken;
 }
 
@@ -303,7 +338,16 @@ Progress Mission::Act(TakenLook taken) {
   if (look.kind == "search") ++searched_;
   if (look.target >= 0) scene_.CountLook(look.target);
   const Time begin = robot_->clock->Now();
-  const DriveOutcome outcome = MoveTo(look, stop_, robot_, &capturer_);
+  publisher_->Doing("moving", look.reason, begin);
+  publisher_->Look(look, begin);
+  const Stopwatch watch;
+  const DriveOutcome outcome = MoveTo(
+      look, stop_,
+      [&](double metres) {
+        TellMotion(second_look::nav_status_t::MOVING, "", record_.metres + metres);
+      },
+      robot_, &capturer_);
+  stages_.push_back({"move", SecondsSince(begin), watch.Seconds()});
   record_.motion_seconds += SecondsSince(begin);
   record_.metres += outcome.metres;
   const bool reached = outcome.kind == DriveOutcome::Kind::kReached;
@@ -319,10 +363,35 @@ Progress Mission::Act(TakenLook taken) {
   }
   record_.looks.push_back(std::move(taken));
   record_.total_seconds = SecondsSince(start_);
+  TellMotion(PhaseOf(outcome.kind), outcome.reason, record_.metres);
+  publisher_->Timing(std::exchange(stages_, {}), robot_->clock->Now());
   if (outcome.kind == DriveOutcome::Kind::kStopped) {
     End(Progress::kStopped, "stopped on request");
   }
   return progress_;
+}
+
+/// The view, what is believed after it, and what it changed in the map.
+void Mission::TellView(const Capture& capture, const std::string& reason) {
+  publisher_->View(capture, robot_->head_camera->info().name, belief(), reason);
+  if (!reason.empty()) return;
+  publisher_->Belief(belief(), capture.frame.time);
+  Eigen::AlignedBox3d box_W;
+  for (const Vector3d& corner : belief().plane_W->corners_A) box_W.extend(corner);
+  box_W.min() -= Vector3d(kToldMargin_m, kToldMargin_m, box_W.max().z());
+  box_W.max() += Vector3d::Constant(kToldMargin_m);
+  publisher_->Map(scene_.space(), box_W, capture.frame.time);
+}
+
+void Mission::TellMotion(int phase, const std::string& reason, double metres) {
+  publisher_->NavStatus(phase, reason, robot_->base->State(), robot_->head->State().angles, metres);
+}
+
+void Mission::SetTask(const world::Task& task) {
+  task.Validate();
+  RequireKnownClasses(task, database_);
+  task_ = task;
+  scene_.SetTask(task);
 }
 
 void Mission::End(Progress progress, std::string why) {
@@ -331,6 +400,8 @@ void Mission::End(Progress progress, std::string why) {
   record_.total_seconds = SecondsSince(start_);
   record_.end = std::move(why);
   spdlog::info("the mission ends: {}", record_.end);
+  publisher_->Timing(std::exchange(stages_, {}), robot_->clock->Now());
+  publisher_->Doing("ended", record_.end, robot_->clock->Now());
 }
 
 void Mission::Charge(double seconds) {

@@ -8,6 +8,7 @@
 #include "apps/capture.h"
 #include "apps/drive.h"
 #include "apps/mission_config.h"
+#include "apps/publisher.h"
 #include "apps/scene_understanding.h"
 #include "lib/common/rng.h"
 #include "lib/geometry/ray_caster.h"
@@ -29,6 +30,7 @@ enum class Progress {
   kBudgetSpent,  ///< Something is open, but looks, seconds or metres are spent.
   kNoLook,       ///< Something is open, but no look can help.
   kStopped,      ///< Asked to stop; the robot stands still.
+  kFailed,       ///< A device is lost.
 };
 
 /// One look as it was taken.
@@ -52,11 +54,12 @@ struct MissionRecord {
 /// All its knowledge comes through the robot's devices.
 class Mission {
  public:
-  /// `database` and `robot` must outlive this. `stop` is asked often, from the mission's thread.
+  /// `database`, `publisher` and `robot` must outlive this. `stop` is asked often, from the
+  /// mission's thread. What happens is told to `publisher`; it changes nothing.
   /// @throws ConfigError when `config` holds a value that is not valid.
   Mission(const MissionConfig& config, const world::Task& task,
           const world::ObjectDatabase& database, const kinematics::HeadCalibration& calibration,
-          std::uint64_t seed, StopRequest stop, hal::Robot* robot);
+          std::uint64_t seed, StopRequest stop, Publisher* publisher, hal::Robot* robot);
 
   /// One turn of the cycle. Not to be called again once it has returned anything but kMore.
   /// @throws DeviceError when a device is lost.
@@ -67,6 +70,11 @@ class Mission {
   /// @throws DeviceError when a device is lost.
   std::optional<TakenLook> Plan();
 
+  /// What is wanted from the next step on.
+  /// @throws ConfigError when `task` is not valid or wants a class that is not in the database.
+  void SetTask(const world::Task& task);
+
+  const world::Task& task() const { return task_; }
   const world::SceneBelief& belief() const { return scene_.belief(); }
   const MissionRecord& record() const { return record_; }
 
@@ -94,12 +102,16 @@ class Mission {
   Progress Act(TakenLook look);
   void End(Progress progress, std::string why);
   void Charge(double seconds);
+  void TellView(const Capture& capture, const std::string& reason);
+  void TellMotion(int phase, const std::string& reason, double metres);
   double SecondsSince(Time start) const;
   std::string BudgetSpent() const;
 
   MissionConfig config_;
   world::Task task_;
+  const world::ObjectDatabase& database_;
   hal::Robot* robot_;
+  Publisher* publisher_;
   kinematics::HeadCalibration calibration_;
   StopRequest stop_;
   Rng rng_;
@@ -113,6 +125,7 @@ class Mission {
   int explored_{};                                          // looks at hidden space that got there
   int vain_{};                                              // … and that did not
   std::vector<Eigen::Vector3d> vain_views_W_;               // cameras of views that taught nothing
+  std::vector<StageTime> stages_;                           // of this step
   Time start_;
   Progress progress_{Progress::kMore};
   MissionRecord record_;

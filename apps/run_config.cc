@@ -41,6 +41,8 @@ RunConfig LoadRunConfig(const fs::path& file, const std::vector<std::string>& ov
   return config;
 }
 
+std::string ToText(const RunConfig& config) { return ToYaml(config); }
+
 void SaveRunConfig(const RunConfig& config, const fs::path& file) {
   RunConfig moved = config;
   const fs::path folder = fs::absolute(file).lexically_normal().parent_path();

@@ -47,6 +47,9 @@ struct RunConfig {
 RunConfig LoadRunConfig(const std::filesystem::path& file,
                         const std::vector<std::string>& overrides);
 
+/// `config` as YAML.
+std::string ToText(const RunConfig& config);
+
 /// Writes `config` so that LoadRunConfig reads it back, relative paths relative to the folder of
 /// `file`. @throws ConfigError when that cannot be written.
 void SaveRunConfig(const RunConfig& config, const std::filesystem::path& file);

@@ -34,6 +34,9 @@ class SceneUnderstanding {
   const world::VoxelSpace& space() const { return space_; }
   const std::vector<perception::RecognitionModel>& models() const { return models_; }
 
+  /// What is wanted from now on.
+  void SetTask(const world::Task& task) { task_ = task; }
+
   /// Notes that a look was taken for the sake of object `id`.
   void CountLook(int id) { ++belief_.objects[id].looks_taken; }
 

@@ -9,6 +9,7 @@ find_package(assimp REQUIRED)
 find_package(embree REQUIRED)
 find_package(nanoflann REQUIRED)
 find_package(TBB REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
@@ -16,6 +17,18 @@ find_package(nlohmann_json REQUIRED)
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
 pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
+
+# A newer LCM has a CMake package; Debian's 1.3.1 has none.
+find_package(lcm CONFIG QUIET)
+if(lcm_FOUND)
+  set(SECONDLOOK_LCM lcm)
+else()
+  pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
+  # Its -pthread would part it from the precompiled header; threads come with TBB.
+  set_target_properties(PkgConfig::LCM PROPERTIES INTERFACE_COMPILE_OPTIONS "")
+  set(SECONDLOOK_LCM PkgConfig::LCM)
+endif()
+find_program(SECONDLOOK_LCM_GEN lcm-gen REQUIRED)
 
 # Debian's OpenCVConfig.cmake comes with the package of all 60 modules; we use three, so they are
 # found by hand.

@@ -8,6 +8,8 @@
 #include "apps/commands/commands.h"
 #include "apps/make_robot.h"
 #include "apps/mission.h"
+#include "apps/mission_message.h"
+#include "apps/publisher.h"
 #include "apps/report.h"
 #include "apps/run_config.h"
 #include "apps/stop_signal.h"
@@ -56,16 +58,20 @@ int Run(const RunOptions& options) {
   const auto database = world::ObjectDatabase::Load(config.models);
   RequireKnownClasses(config.task, database);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
+  Publisher publisher;
   Mission mission(
       config.mission, config.task, database, ready.calibration, config.seed,
-      [] { return StopSignal() != 0; }, &ready.robot);
+      [] { return StopSignal() != 0; }, &publisher, &ready.robot);
+  const second_look::mission_t start = DescribeStart(config, database, ready.robot.clock->Now());
+  publisher.Mission(start);
+  Progress progress = Progress::kMore;
   const auto finish = [&] {
+    publisher.Mission(DescribeEnd(start, mission.record(), progress, ready.robot.clock->Now()));
     PrintSummary(mission, ProcessorSeconds());
     if (options.report.empty()) return;
     WriteReport(config, mission, options.report);
     fmt::print("the result lies in {}\n", options.report);
   };
-  Progress progress = Progress::kMore;
   try {
     if (options.plan_only) {
       PrintPlan(mission.Plan());
@@ -74,6 +80,7 @@ int Run(const RunOptions& options) {
       while (progress == Progress::kMore) progress = mission.Step();
     }
   } catch (const DeviceError&) {
+    progress = Progress::kFailed;
     finish();  // what was learned until then is not lost
     throw;
   }

@@ -46,6 +46,8 @@ const char* ToString(Progress progress) {
       return "no look possible";
     case Progress::kStopped:
       return "stopped";
+    case Progress::kFailed:
+      return "device failed";
   }
   return "";
 }
@@ -59,8 +61,10 @@ Json RunTrial(const sim::Scene& scene, const ExperimentOptions& options,
               const std::filesystem::path& report) {
   const std::clock_t begin = std::clock();
   sim::SimulatedRobot simulated = sim::MakeSimulatedRobot(scene, {}, seed);
+  Publisher nobody;
   Mission mission(
-      {}, {}, database, simulated.calibration, seed, [] { return false; }, &simulated.robot);
+      {}, {}, database, simulated.calibration, seed, [] { return false; }, &nobody,
+      &simulated.robot);
   Progress progress = Progress::kMore;
   for (int step = 0; step < kMaxSteps && progress == Progress::kMore; ++step) {
     progress = mission.Step();

@@ -19,6 +19,7 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"lib/common", {}},
     {"lib/geometry", {"lib/common"}},
     {"lib/kinematics", {"lib/common"}},
+    {"lib/transport", {"lib/common"}},
     {"lib/hal", {"lib/common", "lib/geometry"}},
     {"lib/world", {"lib/common", "lib/geometry", "lib/hal"}},
     {"lib/perception", {"lib/common", "lib/geometry", "lib/hal", "lib/world"}},

@@ -195,9 +195,10 @@ TEST(BlindCamera, InTheMidstOfAMissionStopsEverything) {
   const RunConfig config = LoadRunConfig("config/sim.yaml", {});
   const auto database = world::ObjectDatabase::Load(config.models);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
+  Publisher nobody;
   Mission mission(
       config.mission, config.task, database, ready.calibration, config.seed, [] { return false; },
-      &ready.robot);
+      &nobody, &ready.robot);
   mission.Step();
   ASSERT_EQ(mission.Step(), Progress::kMore);
   static_cast<sim::SimCamera&>(*ready.robot.head_camera).SetFault(sim::CameraFault::kNan);

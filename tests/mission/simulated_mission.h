@@ -7,6 +7,7 @@
 #include "apps/make_robot.h"
 #include "apps/mission.h"
 #include "apps/mission_json.h"
+#include "apps/publisher.h"
 #include "apps/run_config.h"
 #include "lib/common/parallel.h"
 #include "lib/world/object_database.h"
@@ -17,14 +18,16 @@ namespace secondlook::apps {
 class SimulatedMission {
  public:
   /// Runs it to its end, or for 100 steps.
-  explicit SimulatedMission(const std::vector<std::string>& overrides)
+  explicit SimulatedMission(const std::vector<std::string>& overrides,
+                            std::vector<transport::Sink*> sinks = {})
       : config_(LoadRunConfig("config/sim.yaml", overrides)),
         threads_(config_.threads),
         database_(world::ObjectDatabase::Load(config_.models)),
         ready_(MakeRobot(config_.robot, config_.seed)),
+        publisher_(std::move(sinks)),
         mission_(
             config_.mission, config_.task, database_, ready_.calibration, config_.seed,
-            [] { return false; }, &ready_.robot) {
+            [] { return false; }, &publisher_, &ready_.robot) {
     for (int i = 0; i < 100 && progress_ == Progress::kMore; ++i) progress_ = mission_.Step();
   }
 
@@ -42,6 +45,7 @@ class SimulatedMission {
   ThreadLimit threads_;
   world::ObjectDatabase database_;
   ReadyRobot ready_;
+  Publisher publisher_;
   Mission mission_;
   Progress progress_{Progress::kMore};
 };

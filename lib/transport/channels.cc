@@ -1,0 +1,32 @@
+#include "lib/transport/channels.h"
+
+namespace secondlook::transport {
+
+const std::vector<ChannelType>& Channels() {
+  static const std::vector<ChannelType> channels{
+      {channel::kMission, "second_look.mission_t"},
+      {channel::kStatus, "second_look.status_t"},
+      {channel::kImage, "bot_core.images_t"},
+      {channel::kView, "second_look.view_t"},
+      {channel::kPlane, "second_look.support_plane_t"},
+      {channel::kObjects, "second_look.objects_t"},
+      {channel::kOccupancy, "second_look.occupancy_t"},
+      {channel::kCandidates, "second_look.candidates_t"},
+      {channel::kLook, "second_look.look_t"},
+      {channel::kNavGoal, "second_look.nav_goal_t"},
+      {channel::kNavStatus, "second_look.nav_status_t"},
+      {channel::kTiming, "second_look.timing_t"},
+      {channel::kTask, "second_look.task_t"},
+      {channel::kCommand, "second_look.command_t"},
+  };
+  return channels;
+}
+
+std::string_view TypeOn(std::string_view channel) {
+  for (const ChannelType& c : Channels()) {
+    if (channel == c.channel) return c.type;
+  }
+  return "";
+}
+
+}  // namespace secondlook::transport

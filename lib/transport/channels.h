@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace secondlook::transport {
+
+/// The channels of docs/channels.md.
+namespace channel {
+inline constexpr const char* kMission = "SECONDLOOK_MISSION";
+inline constexpr const char* kStatus = "SECONDLOOK_STATUS";
+inline constexpr const char* kImage = "SECONDLOOK_IMAGE";
+inline constexpr const char* kView = "SECONDLOOK_VIEW";
+inline constexpr const char* kPlane = "SECONDLOOK_PLANE";
+inline constexpr const char* kObjects = "SECONDLOOK_OBJECTS";
+inline constexpr const char* kOccupancy = "SECONDLOOK_OCCUPANCY";
+inline constexpr const char* kCandidates = "SECONDLOOK_CANDIDATES";
+inline constexpr const char* kLook = "SECONDLOOK_LOOK";
+inline constexpr const char* kNavGoal = "SECONDLOOK_NAV_GOAL";
+inline constexpr const char* kNavStatus = "SECONDLOOK_NAV_STATUS";
+inline constexpr const char* kTiming = "SECONDLOOK_TIMING";
+inline constexpr const char* kTask = "SECONDLOOK_TASK";        ///< In.
+inline constexpr const char* kCommand = "SECONDLOOK_COMMAND";  ///< In.
+}  // namespace channel
+
+/// No message of ours is longer [bytes]: longer ones are lost in a default socket buffer.
+inline constexpr std::size_t kMaxMessageBytes = 100'000;
+
+/// A channel and what is on it.
+struct ChannelType {
+  const char* channel;
+  const char* type;  ///< As messages/ names it, e.g. "second_look.view_t".
+};
+
+/// All channels, those we listen to included.
+const std::vector<ChannelType>& Channels();
+
+/// The type of what is on `channel`; empty for a channel that is not ours.
+std::string_view TypeOn(std::string_view channel);
+
+}  // namespace secondlook::transport
