@@ -32,8 +32,8 @@ void Publisher::Post(const char* channel, const T& body) {
 
 /// Posts `body` with its list cut into pieces; an empty list makes one empty piece.
 template <class T, class Item>
-void Publisher::PostInPieces(const char* channel, T body, std::vector<Item> T::* list,
-                             std::int32_t T::* count) {
+void Publisher::PostInPieces(const char* channel, T body, std::vector<Item> T::*list,
+                             std::int32_t T::*count) {
   std::vector<std::vector<Item>> pieces(1);
   int bytes = 0;
   for (Item& item : body.*list) {

@@ -73,8 +73,8 @@ class Publisher {
   template <class T>
   void Post(const char* channel, const T& body);
   template <class T, class Item>
-  void PostInPieces(const char* channel, T body, std::vector<Item> T::* list,
-                    std::int32_t T::* count);
+  void PostInPieces(const char* channel, T body, std::vector<Item> T::*list,
+                    std::int32_t T::*count);
 
   std::vector<transport::Sink*> sinks_;
   OccupancyChanges occupancy_;

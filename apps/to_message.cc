@@ -96,9 +96,8 @@ void Outline(const world::Cluster& cluster, const cv::Size& size,
   cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
   if (contours.empty()) return;
   const auto& largest = *std::max_element(
-      contours.begin(), contours.end(), [](const auto& a, const auto& b) {
-        return cv::contourArea(a) < cv::contourArea(b);
-      });
+      contours.begin(), contours.end(),
+      [](const auto& a, const auto& b) { return cv::contourArea(a) < cv::contourArea(b); });
   std::vector<cv::Point> simple;
   cv::approxPolyDP(largest, simple, kContour_px, true);
   for (const cv::Point& p : simple) {
@@ -127,9 +126,9 @@ cv::Mat HalfDepth_mm(const cv::Mat& depth) {
   for (int v = 0; v < half.rows; ++v) {
     for (int u = 0; u < half.cols; ++u) {
       const double depth_mm = 1000.0 * depth.at<float>(2 * v, 2 * u);
-      half.at<std::uint16_t>(v, u) =
-          depth_mm > 0.0 && depth_mm < 65535.0 ? static_cast<std::uint16_t>(std::lround(depth_mm))
-                                               : 0;
+      half.at<std::uint16_t>(v, u) = depth_mm > 0.0 && depth_mm < 65535.0
+                                         ? static_cast<std::uint16_t>(std::lround(depth_mm))
+                                         : 0;
     }
   }
   return half;
@@ -248,8 +247,8 @@ second_look::look_t ToMessage(const world::Look& look) {
   }
   message.num_checks = static_cast<std::int32_t>(message.checks.size());
   message.feasible = look.feasible;
-  for (const auto& [name, value] : {std::pair("visibility", look.visibility),
-                                    std::pair("gain", look.gain)}) {
+  for (const auto& [name, value] :
+       {std::pair("visibility", look.visibility), std::pair("gain", look.gain)}) {
     message.terms.push_back({});
     message.terms.back().name = name;
     message.terms.back().value = value;

@@ -1,5 +1,8 @@
 #include "apps/drive.h"
 
+#include <algorithm>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "lib/common/error.h"
@@ -23,13 +26,16 @@ class Drive : public ::testing::Test {
   }
 
   DriveOutcome Move(const StopRequest& stop = [] { return false; }) {
-    return MoveTo(look_, stop, &robot_, &capturer_);
+    return MoveTo(
+        look_, stop, [this](double metres) { told_metres_.push_back(metres); }, &robot_,
+        &capturer_);
   }
 
   testing::FakeWorld world_;
   hal::Robot robot_;
   Capturer capturer_{&robot_, kinematics::HeadCalibration::AtHeight(1.0)};
   world::Look look_;
+  std::vector<double> told_metres_;
 };
 
 TEST_F(Drive, MovesTheBaseThenTheHeadAndWaitsForBoth) {
@@ -41,6 +47,14 @@ TEST_F(Drive, MovesTheBaseThenTheHeadAndWaitsForBoth) {
   EXPECT_EQ(world_.head_started, world_.base_started + Seconds(2.0));
   EXPECT_EQ(world_.angles, look_.head);
   EXPECT_EQ(world_.now, Time(Seconds(3.0)));
+}
+
+TEST_F(Drive, TellsHowFarItIsOnTheWay) {
+  world_.base_speed = 0.5;
+  Move();
+  ASSERT_FALSE(told_metres_.empty());
+  EXPECT_TRUE(std::is_sorted(told_metres_.begin(), told_metres_.end()));
+  EXPECT_NEAR(told_metres_.back(), 1.0, 1e-9) << "the head moves last, the way is done by then";
 }
 
 TEST_F(Drive, LeavesTheBaseAloneWithoutAPath) {
