@@ -63,6 +63,7 @@ DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, const Moti
     outcome = WaitFor(
         robot->base->info().name, [&] { return robot->base->Status(); }, limit, stop, moving, robot,
         capturer);
+    outcome.base_failed = outcome.kind == Kind::kFailed;
     if (outcome.kind != Kind::kReached) return outcome;
   }
   robot->head->Start(look.head);
