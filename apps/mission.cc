@@ -230,7 +230,9 @@ std::optional<TakenLook> Mission::SearchForTable() {
 
 std::optional<TakenLook> Mission::Choose(const Question& question) {
   const auto settled = [&] {
-    if (question.spent.empty()) {
+    if (belief().objects.empty()) {
+      End(Progress::kSettled, "nothing was found on the table");
+    } else if (question.spent.empty()) {
       End(Progress::kSettled, "everything is settled");
     } else {
       End(Progress::kBudgetSpent, fmt::format("still open after {} looks each: {} of the things",
