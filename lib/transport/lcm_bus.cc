@@ -20,8 +20,8 @@ namespace {
 constexpr std::string_view kMulticast = "udpm://";
 constexpr std::string_view kMemory = "memq://";
 
-/// True when the system has a route to the multicast group of `url`. LCM would ask the same way, but
-/// complains at length on standard error.
+/// True when the system has a route to the multicast group of `url`. LCM would ask the same way,
+/// but complains at length on standard error.
 bool HasRoute(std::string_view url) {
   std::string_view group = url.substr(kMulticast.size());
   group = group.substr(0, group.find_first_of(":?"));

@@ -51,8 +51,8 @@ class LcmBus {
   /// Why nobody outside can listen or speak, and what to do about it; empty when they can.
   const std::string& unreachable() const { return unreachable_; }
 
-  /// Hands to `handler`, from Handle(), what comes in on `channel`, one of Channels(). An Error that
-  /// `handler` throws rejects the message.
+  /// Hands to `handler`, from Handle(), what comes in on `channel`, one of Channels(). An Error
+  /// that `handler` throws rejects the message.
   void Listen(const std::string& channel, Handler handler);
 
   /// False when it could not be sent.

@@ -11,9 +11,8 @@ namespace secondlook::transport {
 namespace {
 
 /// The channels that can be missed, those that matter least first.
-constexpr std::array<std::string_view, 5> kExpendable{channel::kImage, channel::kNavStatus,
-                                                      channel::kTiming, channel::kView,
-                                                      channel::kCandidates};
+constexpr std::array<std::string_view, 5> kExpendable{
+    channel::kImage, channel::kNavStatus, channel::kTiming, channel::kView, channel::kCandidates};
 
 auto Worth(const Message& message) {
   return std::find(kExpendable.begin(), kExpendable.end(), message.channel) - kExpendable.begin();
@@ -29,9 +28,8 @@ void Outbox::Post(const Message& message) {
 }
 
 void Outbox::MakeRoom() {
-  const auto least = std::min_element(
-      messages_.begin(), messages_.end(),
-      [](const Message& a, const Message& b) { return Worth(a) < Worth(b); });  // the oldest of them
+  const auto less = [](const Message& a, const Message& b) { return Worth(a) < Worth(b); };
+  const auto least = std::min_element(messages_.begin(), messages_.end(), less);  // the oldest
   bytes_ -= least->bytes.size();
   messages_.erase(least);
   ++drops_;
