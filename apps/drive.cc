@@ -73,6 +73,7 @@ DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, const Moti
     const Motion drive{robot->base->info().name, [&] { robot->base->Start({look.path_W}); },
                        [&] { return robot->base->Status(); }};
     outcome = Complete(drive, limit, stop, moving, robot, capturer);
+    outcome.base_failed = outcome.kind == Kind::kFailed;
     if (outcome.kind != Kind::kReached) return outcome;
   }
   const Motion turn{robot->head->info().name, [&] { robot->head->Start(look.head); },

@@ -19,11 +19,11 @@ namespace secondlook::apps {
 
 /// What the executive works with. All of it must outlive the executive.
 struct ExecutiveParts {
-  transport::LcmBus* bus{};        ///< Null: nothing comes in or goes out, and signals alone stop.
-  transport::Outbox* outbox{};     ///< What is to be sent.
-  hal::Robot* robot{};             ///< To be stopped; otherwise only its clock is read.
-  const Publisher* publisher{};    ///< What the mission is doing.
-  const DeviceHealth* health{};    ///< How its devices are.
+  transport::LcmBus* bus{};      ///< Null: nothing comes in or goes out, and signals alone stop.
+  transport::Outbox* outbox{};   ///< What is to be sent.
+  hal::Robot* robot{};           ///< To be stopped; otherwise only its clock is read.
+  const Publisher* publisher{};  ///< What the mission is doing.
+  const DeviceHealth* health{};  ///< How its devices are.
   std::function<std::string()> recording{};  ///< As status_t has it; may be empty.
 };
 

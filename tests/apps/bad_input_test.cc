@@ -126,6 +126,10 @@ TEST_F(BadInput, NamesTaskAndBudgetThatMakeNoSense) {
   Expect(Run({"--set", "task.wanted.block=0"}), 2,
          "the confidence for 'block' is 0; it must lie between 0 and 1");
   Expect(Run({"--set", "task.budget.looks=-1"}), 2, "budget.looks = -1; it must not be negative");
+  Expect(Run({"--set", "task.budget.seconds=-5"}), 2,
+         "budget.seconds = -5; it must not be negative; 0 means no limit");
+  Expect(Run({"--set", "task.budget.metres=-0.5"}), 2,
+         "budget.metres = -0.5; it must not be negative; 0 means no limit");
   Expect(Run({"--set", "task.budget.seconds=.nan"}), 2,
          "'task.budget.seconds' must be a finite number");
   Expect(Run({"--set", "task.wanted.unicorn=0.9"}), 2,

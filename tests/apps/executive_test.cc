@@ -102,9 +102,7 @@ class BlockedMission : public ::testing::Test {
     bus_.Publish({channel, 0, std::move(bytes)});
   }
   void Bring(const command_t& command) { Bring(channel::kCommand, transport::Encode(command)); }
-  void Bring(const world::Task& task) {
-    Bring(channel::kTask, transport::Encode(ToMessage(task)));
-  }
+  void Bring(const world::Task& task) { Bring(channel::kTask, transport::Encode(ToMessage(task))); }
 
   static command_t MakeCommand(int number) {
     command_t command{};
@@ -201,7 +199,8 @@ TEST_F(BlockedMission, NeverGetsATaskThatIsNotValid) {
   task.confidence = std::numeric_limits<double>::quiet_NaN();
   Bring(task);
   const status_t status = StatusWhere([](const status_t& s) { return s.rejected >= 2; });
-  EXPECT_EQ(status.last_rejected, "SECONDLOOK_TASK: second_look.task_t: 'confidence' is not finite");
+  EXPECT_EQ(status.last_rejected,
+            "SECONDLOOK_TASK: second_look.task_t: 'confidence' is not finite");
   EXPECT_FALSE(executive_->TakeTask());
 }
 
