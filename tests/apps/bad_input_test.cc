@@ -21,7 +21,8 @@ class BadInput : public ::testing::Test {
  protected:
   /// `run` with the configuration and `more`.
   ProgramResult Run(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"run", "--config", world_.config().string()};
+    std::vector<std::string> arguments{"run", "--config", world_.config().string(), "--lcm-url",
+                                       "none"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return RunProgram(arguments);
   }
@@ -153,6 +154,12 @@ TEST_F(BadInput, NamesACameraThatDeliversNoDepthNothingOrIsLost) {
   Expect(Run({"--set", "robot.camera_fault=nothing"}), 3,
          "camera 'head': no frame in 3 tries of 1 s; check its cable and driver");
   Expect(Run({"--set", "robot.camera_fault=lost"}), 3, "camera 'head': the device is lost");
+}
+
+TEST_F(BadInput, NamesAnLcmUrlThatItCannotUse) {
+  const std::string config = world_.config().string();
+  Expect(RunProgram({"run", "--config", config, "--lcm-url", "tcpq://localhost"}), 2,
+         "LCM URL 'tcpq://localhost': it must begin with udpm:// or memq://");
 }
 
 TEST_F(BadInput, EndsWithStatusTwoForAWrongCommandLine) {

@@ -117,6 +117,21 @@ TEST_F(Drive, StopsTheHeadOnRequest) {
   EXPECT_EQ(world_.head_status.phase, MotionPhase::kStopped);
 }
 
+TEST_F(Drive, StartsNothingOnceItIsAskedToStop) {
+  const DriveOutcome outcome = Move([] { return true; });
+  EXPECT_EQ(outcome.kind, Kind::kStopped);
+  EXPECT_EQ(world_.base_starts, 0);
+  EXPECT_EQ(world_.head_starts, 0);
+}
+
+TEST_F(Drive, KnowsItsOwnRequestWhenTheBaseWasStoppedForItAlready) {
+  world_.base_takes = Seconds(1.0);
+  world_.base_ends = {MotionPhase::kStopped, ""};
+  const DriveOutcome outcome = Move([&] { return world_.now >= Time(Seconds(1.0)); });
+  EXPECT_EQ(outcome.kind, Kind::kStopped);
+  EXPECT_EQ(outcome.reason, "wheels: stopped on request");
+}
+
 TEST_F(Drive, StopsEverythingWhenTheBaseIsLost) {
   world_.base_lost_on_status = true;
   EXPECT_THROWS(Move(), DeviceError, "base 'wheels': the device is lost");
