@@ -1,6 +1,8 @@
 #include <ctime>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -8,6 +10,7 @@
 #include "apps/commands/commands.h"
 #include "apps/make_robot.h"
 #include "apps/mission.h"
+#include "apps/mission_log.h"
 #include "apps/mission_message.h"
 #include "apps/publisher.h"
 #include "apps/report.h"
@@ -25,6 +28,8 @@ struct RunOptions {
   std::string config;
   std::vector<std::string> overrides;
   std::string report;
+  std::string log;
+  double log_split_mb{1000.0};
   bool plan_only{};
 };
 
@@ -57,17 +62,26 @@ int Run(const RunOptions& options) {
   const ThreadLimit threads(config.threads);
   const auto database = world::ObjectDatabase::Load(config.models);
   RequireKnownClasses(config.task, database);
+  std::optional<MissionLog> log;
+  if (!options.log.empty()) log.emplace(options.log, options.log_split_mb);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
-  Publisher publisher;
-  Mission mission(
-      config.mission, config.task, database, ready.calibration, config.seed,
-      [] { return StopSignal() != 0; }, &publisher, &ready.robot);
+  StopRequest stop = [] { return StopSignal() != 0; };
+  std::vector<transport::Sink*> sinks;
+  if (log) {
+    log->Begin(config, database, options.plan_only, &ready);
+    stop = log->Recorded(std::move(stop), StopSignal);
+    sinks.push_back(&*log);
+  }
+  Publisher publisher(sinks);
+  Mission mission(config.mission, config.task, database, ready.calibration, config.seed, stop,
+                  &publisher, &ready.robot);
   const second_look::mission_t start = DescribeStart(config, database, ready.robot.clock->Now());
   publisher.Mission(start);
   Progress progress = Progress::kMore;
   const auto finish = [&] {
     publisher.Mission(DescribeEnd(start, mission.record(), progress, ready.robot.clock->Now()));
     PrintSummary(mission, ProcessorSeconds());
+    if (log) fmt::print("{}\n", log->Close());
     if (options.report.empty()) return;
     WriteReport(config, mission, options.report);
     fmt::print("the result lies in {}\n", options.report);
@@ -98,6 +112,9 @@ void AddRun(CLI::App* app, int* status) {
       ->expected(1)
       ->take_all();
   run->add_option("--report", options->report, "Folder for mission.json, config and pictures");
+  run->add_option("--log", options->log, "File to record the mission in, for replay");
+  run->add_option("--log-split-mb", options->log_split_mb, "Begin FILE.01, … at so many MB")
+      ->capture_default_str();
   run->add_flag("--plan-only", options->plan_only, "Look once, say what would be done, don't move");
   run->callback([options, status] { *status = Run(*options); });
 }

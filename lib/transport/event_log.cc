@@ -172,7 +172,8 @@ std::optional<LogEvent> EventLogReader::ReadEvent(std::int64_t* length) {
   event.utime = Get<std::int64_t>(&header[12]);
   std::vector<std::uint8_t> channel(static_cast<std::size_t>(channel_bytes));
   event.bytes.resize(static_cast<std::size_t>(data_bytes));
-  if (!ReadAt(end - data_bytes - channel_bytes, channel) || !ReadAt(end - data_bytes, event.bytes)) {
+  if (!ReadAt(end - data_bytes - channel_bytes, channel) ||
+      !ReadAt(end - data_bytes, event.bytes)) {
     return {};
   }
   event.channel.assign(channel.begin(), channel.end());
@@ -188,8 +189,7 @@ void EventLogReader::SkipDamage() {
     block.resize(static_cast<std::size_t>(
         std::min<std::int64_t>(static_cast<std::int64_t>(block.size()), size_ - at_)));
     if (!ReadAt(at_, block)) break;
-    const auto sync =
-        std::search(block.begin(), block.end(), kSyncBytes.begin(), kSyncBytes.end());
+    const auto sync = std::search(block.begin(), block.end(), kSyncBytes.begin(), kSyncBytes.end());
     found = sync != block.end();
     at_ += found ? sync - block.begin() : static_cast<std::int64_t>(block.size()) - 3;
   }

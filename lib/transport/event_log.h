@@ -56,8 +56,8 @@ class EventLogWriter {
 
 /// What of a log is no whole event.
 struct LogDamage {
-  int places{};                ///< Where something between whole events is not one.
-  std::int64_t bytes{};        ///< Skipped there.
+  int places{};                  ///< Where something between whole events is not one.
+  std::int64_t bytes{};          ///< Skipped there.
   std::int64_t cut_off_bytes{};  ///< Of an event that the end of the log has cut off.
 };
 

@@ -86,7 +86,11 @@ TEST(FrameCodec, KeepsDepthOfAnyValuesBitForBit) {
 }
 
 TEST(FrameCodec, KeepsOddValuesOfDepth) {
-  const float values[] = {0.0F, -0.0F, -1.0F, kNone, std::numeric_limits<float>::infinity(),
+  const float values[] = {0.0F,
+                          -0.0F,
+                          -1.0F,
+                          kNone,
+                          std::numeric_limits<float>::infinity(),
                           std::numeric_limits<float>::denorm_min()};
   const RgbdFrame frame =
       NoisyFrame(16, 16, [&](unsigned random) { return values[random % std::size(values)]; });
@@ -122,9 +126,8 @@ TEST(FrameCodec, ColourIsAPngThatOthersRead) {
 }
 
 TEST(FrameCodec, RefusesWhatIsNotWhole) {
-  const RgbdFrame frame = NoisyFrame(320, 240, [](unsigned random) {
-    return 0.5F + 0.01F * static_cast<float>(random % 100);
-  });
+  const RgbdFrame frame = NoisyFrame(
+      320, 240, [](unsigned random) { return 0.5F + 0.01F * static_cast<float>(random % 100); });
   std::vector<rec_image_t> color;
   for (const rec_image_t& piece : EncodeImages(frame)) {
     if (piece.image == rec_image_t::COLOR) color.push_back(piece);
@@ -149,9 +152,8 @@ TEST(FrameCodec, RefusesWhatIsNotWhole) {
 }
 
 TEST(FrameCodec, RefusesAnIndexBeyondTheTable) {
-  const RgbdFrame frame = NoisyFrame(16, 16, [](unsigned random) {
-    return 0.5F + static_cast<float>(random % 10);
-  });
+  const RgbdFrame frame =
+      NoisyFrame(16, 16, [](unsigned random) { return 0.5F + static_cast<float>(random % 10); });
   std::vector<rec_image_t> depth{EncodeImages(frame).back()};
   depth[0].values.resize(3);
   RgbdFrame decoded;

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "lib/common/files.h"
 #include "lib/hal/replay/recorder.h"
 #include "lib/hal/tap.h"
 #include "lib/transport/channels.h"
@@ -259,6 +260,39 @@ TEST(Recording, LeavesOutMessagesThatCannotBeRead) {
   EXPECT_THAT(recording.warnings, ElementsAre(HasSubstr("2 messages are damaged")));
 }
 
+TEST(Recording, CutOffAnywhereHoldsWhatCameBefore) {
+  RecordedFake recorded;
+  recorded.world.frames.push_back({Time{}, 1, cv::Mat(48, 64, CV_8UC3, cv::Scalar(1, 2, 3)),
+                                   cv::Mat(48, 64, CV_32FC1, cv::Scalar(1.25))});
+  for (int i = 0; i < 20; ++i) {
+    recorded.world.X_WB.x = i;
+    recorded.robot.base->State();
+    if (i == 10) recorded.robot.head_camera->Grab(Seconds(1));
+  }
+  const Recording whole = recorded.EndWhole();
+  const std::string bytes = ReadFile(recorded.folder / "log");
+  std::size_t least = 0;
+  for (std::size_t n = 0; n < bytes.size(); n += 7) {
+    WriteFile(recorded.folder / "cut", bytes.substr(0, n));
+    Recording cut;
+    try {
+      cut = Recording::Load(recorded.folder / "cut");
+    } catch (const ConfigError&) {
+      EXPECT_EQ(least, 0U) << "after " << n << " bytes";
+      continue;
+    }
+    const Segment& segment = cut.segments.front();
+    ASSERT_GE(segment.base_states.size(), least);
+    least = segment.base_states.size();
+    for (std::size_t i = 0; i < least; ++i) {
+      EXPECT_EQ(std::get<BaseState>(segment.base_states[i]).X_WB.x, static_cast<double>(i));
+    }
+    EXPECT_FALSE(cut.complete);
+    EXPECT_FALSE(cut.warnings.empty());
+  }
+  EXPECT_EQ(least, whole.segments.front().base_states.size());
+}
+
 // The contracts of clock and camera hold for recorded ones, too. Those of base and pan-tilt don't:
 // they send the device to places of their own, and a recorded one goes where it went.
 
@@ -295,8 +329,8 @@ std::vector<ClockFactory> Clocks() {
 std::vector<CameraFactory> Cameras() {
   return {{"Recorded", [] {
              const auto played = std::make_shared<PlayedSim>();
-             return CameraRig{played->robot.clock.get(), played->robot.head_camera.get(), {}, true,
-                              played};
+             return CameraRig{
+                 played->robot.clock.get(), played->robot.head_camera.get(), {}, true, played};
            }}};
 }
 

@@ -132,8 +132,8 @@ TEST(EventLog, SkipsWhatIsDamagedAndCountsIt) {
   const TemporaryFolder folder;
   WriteEvents(folder / "log", 30);
   std::string damaged = ReadFile(folder / "log");
-  damaged[EndOfEvent(9)] = 'x';             // the word that event 10 begins with
-  damaged[EndOfEvent(19) + 24] = '\x7f';    // the length of event 20: two gigabytes
+  damaged[EndOfEvent(9)] = 'x';           // the word that event 10 begins with
+  damaged[EndOfEvent(19) + 24] = '\x7f';  // the length of event 20: two gigabytes
   WriteFile(folder / "log", damaged);
   EventLogReader reader(folder / "log");
   std::vector<int> expected = UpTo(30);
@@ -141,9 +141,8 @@ TEST(EventLog, SkipsWhatIsDamagedAndCountsIt) {
   std::erase_if(expected, [](int i) { return i == 9 || i == 10 || i == 20; });
   EXPECT_EQ(ReadEvents(&reader), expected);
   EXPECT_EQ(reader.damage().places, 2);
-  EXPECT_EQ(reader.damage().bytes,
-            static_cast<std::int64_t>(EndOfEvent(10) - EndOfEvent(8) + EndOfEvent(20) -
-                                      EndOfEvent(19)));
+  EXPECT_EQ(reader.damage().bytes, static_cast<std::int64_t>(EndOfEvent(10) - EndOfEvent(8) +
+                                                             EndOfEvent(20) - EndOfEvent(19)));
 }
 
 TEST(EventLog, OfAnyBytesEndsAndNamesNoEventTwice) {

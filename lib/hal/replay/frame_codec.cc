@@ -46,9 +46,8 @@ std::vector<float> ValuesOf(const cv::Mat& depth,
   }
   std::vector<float> values{std::numeric_limits<float>::quiet_NaN()};
   for (const auto& [bits, unset] : *index) values.push_back(std::bit_cast<float>(bits));
-  std::sort(values.begin() + 1, values.end(), [](float a, float b) {
-    return a != b ? a < b : std::signbit(a) && !std::signbit(b);
-  });
+  std::sort(values.begin() + 1, values.end(),
+            [](float a, float b) { return a != b ? a < b : std::signbit(a) && !std::signbit(b); });
   for (std::size_t i = 1; i < values.size(); ++i) {
     (*index)[std::bit_cast<std::uint32_t>(values[i])] = static_cast<std::uint16_t>(i);
   }
