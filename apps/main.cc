@@ -26,6 +26,7 @@ int Run(int argc, char** argv) {
   AddExperiment(&app, &status);
   AddModel(&app, &status);
   AddRecognise(&app, &status);
+  AddReplay(&app, &status);
   AddRun(&app, &status);
   AddSegment(&app, &status);
   try {

@@ -90,11 +90,14 @@ Mission::Mission(const MissionConfig& config, const world::Task& task,
 }
 
 Progress Mission::Step() try {
+  std::optional<TakenLook> look;
   if (searched_ == 0) {
     publisher_->BeginStep();
-    return Act(*SearchForTable());  // wherever the head looked before
+    look = SearchForTable();  // wherever the head looked before
+  } else {
+    look = Plan();
   }
-  const std::optional<TakenLook> look = Plan();
+  if (choose_) look = Overruled(std::move(look));
   return look ? Act(*look) : progress_;
 } catch (const DeviceError& error) {
   End(Progress::kFailed, fmt::format("a device failed: {}", error.what()));
@@ -339,11 +342,26 @@ planning::AspectTarget Mission::TargetFor(const Eigen::AlignedBox3d& hidden_W) c
   return target;
 }
 
+/// What choose_ makes of the mission's own choice.
+std::optional<TakenLook> Mission::Overruled(std::optional<TakenLook> own) {
+  if (progress_ == Progress::kStopped) return own;
+  const bool had_own = own.has_value();
+  std::optional<TakenLook> look = choose_(std::move(own), record_.end);
+  if (had_own && !look) End(Progress::kNoLook, "the looks to follow end here");
+  if (!had_own && look) {
+    progress_ = Progress::kMore;
+    record_.end.clear();
+  }
+  return look;
+}
+
 Progress Mission::Act(TakenLook taken) {
   const world::Look& look = taken.look;
   spdlog::info("look {} ({}): {}", record_.looks.size() + 1, look.kind, look.reason);
   if (look.kind == "search") ++searched_;
-  if (look.target >= 0) scene_.CountLook(look.target);
+  if (look.target >= 0 && look.target < std::ssize(belief().objects)) {
+    scene_.CountLook(look.target);
+  }
   const Time begin = robot_->clock->Now();
   publisher_->Doing("moving", look.reason, begin);
   publisher_->Look(look, begin);

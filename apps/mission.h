@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/capture.h"
@@ -50,6 +53,11 @@ struct MissionRecord {
   std::string end;           ///< Why it ended, in words; empty while it runs.
 };
 
+/// Has the last word on each look. It is given the mission's own choice, or none and why the
+/// mission would end, and returns the look to take, or none to end here.
+using LookChooser =
+    std::function<std::optional<TakenLook>(std::optional<TakenLook> own, const std::string& end)>;
+
 /// The cycle: grab, observe, match and fuse, ask what is open, choose a look, take it.
 /// All its knowledge comes through the robot's devices.
 class Mission {
@@ -73,6 +81,9 @@ class Mission {
   /// What is wanted from the next step on.
   /// @throws ConfigError when `task` is not valid or wants a class that is not in the database.
   void SetTask(const world::Task& task);
+
+  /// Lets `choose` decide on each look from now on.
+  void LetChoose(LookChooser choose) { choose_ = std::move(choose); }
 
   const world::Task& task() const { return task_; }
   const world::SceneBelief& belief() const { return scene_.belief(); }
@@ -99,6 +110,7 @@ class Mission {
   std::optional<TakenLook> Choose(const Question& question);
   planning::AspectTarget TargetFor(const world::ObjectBelief& object) const;
   planning::AspectTarget TargetFor(const Eigen::AlignedBox3d& hidden_W) const;
+  std::optional<TakenLook> Overruled(std::optional<TakenLook> own);
   Progress Act(TakenLook look);
   void End(Progress progress, std::string why);
   void Charge(double seconds);
@@ -114,6 +126,7 @@ class Mission {
   Publisher* publisher_;
   kinematics::HeadCalibration calibration_;
   StopRequest stop_;
+  LookChooser choose_;
   Rng rng_;
   Capturer capturer_;
   SceneUnderstanding scene_;

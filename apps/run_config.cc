@@ -41,6 +41,19 @@ RunConfig LoadRunConfig(const fs::path& file, const std::vector<std::string>& ov
   return config;
 }
 
+RunConfig ParseRunConfig(const std::string& text, const std::string& source) {
+  RunConfig config;
+  ApplyLayer(ParseYaml(text, source), &config);
+  return config;
+}
+
+RunConfig WithAbsolutePaths(RunConfig config) {
+  for (std::string* path : RelativePaths(&config)) {
+    *path = fs::absolute(*path).lexically_normal().string();
+  }
+  return config;
+}
+
 std::string ToText(const RunConfig& config) { return ToYaml(config); }
 
 void SaveRunConfig(const RunConfig& config, const fs::path& file) {

@@ -47,6 +47,13 @@ struct RunConfig {
 RunConfig LoadRunConfig(const std::filesystem::path& file,
                         const std::vector<std::string>& overrides);
 
+/// Reads what ToText() has written; messages call it `source`.
+/// @throws ConfigError with the place of what is wrong.
+RunConfig ParseRunConfig(const std::string& text, const std::string& source);
+
+/// The same configuration, readable from any folder.
+RunConfig WithAbsolutePaths(RunConfig config);
+
 /// `config` as YAML.
 std::string ToText(const RunConfig& config);
 

@@ -21,6 +21,7 @@ void CatchStopSignals() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGHUP, &action, nullptr);  // the terminal was closed
+  std::signal(SIGXFSZ, SIG_IGN);        // a file that may grow no longer is an error of its writer
 }
 
 int StopSignal() { return stop_signal; }

@@ -290,6 +290,34 @@ world::Task FromMessage(const second_look::task_t& message) {
   return task;
 }
 
+world::Look FromMessage(const second_look::look_t& message) {
+  world::Look look;
+  look.kind = message.kind;
+  look.target = message.target;
+  look.X_WB = {message.X_WB[0], message.X_WB[1], message.X_WB[2]};
+  look.head = {message.head[0], message.head[1]};
+  look.X_WC.translation() = Eigen::Map<const Eigen::Vector3d>(message.X_WC.p);
+  const double* q = message.X_WC.q;
+  look.X_WC.linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
+  for (const std::vector<double>& waypoint : message.path_W) {
+    look.path_W.push_back({waypoint[0], waypoint[1], waypoint[2]});
+  }
+  for (const second_look::look_check_t& check : message.checks) {
+    look.checks.push_back({check.name, check.passed != 0, check.detail});
+  }
+  look.feasible = message.feasible != 0;
+  for (const second_look::score_term_t& term : message.terms) {
+    if (term.name == "visibility") look.visibility = term.value;
+    if (term.name == "gain") look.gain = term.value;
+  }
+  look.seconds = message.seconds;
+  look.metres = message.metres;
+  look.score = message.score;
+  look.chosen = message.chosen != 0;
+  look.reason = message.reason;
+  return look;
+}
+
 std::vector<second_look::detection_t> DetectionsOf(const world::SceneBelief& belief, int view) {
   const world::Observation& observation = belief.views[view];
   std::vector<second_look::detection_t> messages;

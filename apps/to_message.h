@@ -35,6 +35,8 @@ second_look::task_t ToMessage(const world::Task& task);
 
 /// The task of a message. Not validated.
 world::Task FromMessage(const second_look::task_t& task);
+/// The look of a message; long texts come as they were shortened.
+world::Look FromMessage(const second_look::look_t& look);
 
 /// The things that view number `view` shows, each with the object it was matched with.
 std::vector<second_look::detection_t> DetectionsOf(const world::SceneBelief& belief, int view);

@@ -10,6 +10,7 @@ enum ExitStatus {
   kWrongInput = 2,
   kDeviceFailed = 3,
   kUnsettled = 4,
+  kOtherDecision = 5,
 };
 
 // Each adds its subcommand to `app`. When the command line names it, the subcommand runs while the
@@ -19,6 +20,7 @@ void AddCheck(CLI::App* app, int* status);
 void AddExperiment(CLI::App* app, int* status);
 void AddModel(CLI::App* app, int* status);
 void AddRecognise(CLI::App* app, int* status);
+void AddReplay(CLI::App* app, int* status);
 void AddRun(CLI::App* app, int* status);
 void AddSegment(CLI::App* app, int* status);
 

@@ -9,10 +9,12 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/commands.h"
+#include "apps/commands/mission_status.h"
 #include "apps/device_health.h"
 #include "apps/executive.h"
 #include "apps/make_robot.h"
 #include "apps/mission.h"
+#include "apps/mission_log.h"
 #include "apps/mission_message.h"
 #include "apps/publisher.h"
 #include "apps/report.h"
@@ -33,22 +35,13 @@ struct RunOptions {
   std::string config;
   std::vector<std::string> overrides;
   std::string report;
+  std::string log;
+  double log_split_mb{1000.0};
   std::string lcm_url{transport::kDefaultLcmUrl};
   bool plan_only{};
 };
 
 double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-int StatusOf(Progress progress) {
-  switch (progress) {
-    case Progress::kSettled:
-      return kDone;
-    case Progress::kStopped:
-      return StopSignal() != 0 ? 128 + StopSignal() : kUnsettled;  // by a command
-    default:
-      return kUnsettled;
-  }
-}
 
 void PrintPlan(const std::optional<TakenLook>& plan) {
   if (!plan) {
@@ -64,12 +57,14 @@ std::unique_ptr<transport::LcmBus> OpenBus(const std::string& url) {
   return url == "none" ? nullptr : std::make_unique<transport::LcmBus>(url);
 }
 
-/// Gives the mission the task that has come in, if one has. A wrong one changes nothing.
-void PassOnTask(Executive* executive, Mission* mission) {
+/// Gives the mission the task that has come in, if one has. A wrong one changes nothing. `log` may
+/// be null.
+void PassOnTask(Executive* executive, MissionLog* log, Mission* mission) {
   const std::optional<world::Task> task = executive->TakeTask();
   if (!task) return;
   try {
     mission->SetTask(*task);
+    if (log != nullptr) log->Task(*task);
     spdlog::info("the task is another one from here on");
   } catch (const ConfigError& error) {
     executive->RejectTask(error.what());
@@ -87,20 +82,29 @@ int Run(const RunOptions& options) {
   const ThreadLimit threads(config.threads);
   const auto database = world::ObjectDatabase::Load(config.models);
   RequireKnownClasses(config.task, database);
+  std::optional<MissionLog> log;
+  if (!options.log.empty()) log.emplace(options.log, options.log_split_mb);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
+  if (log) {
+    log->Begin(config, database, options.plan_only, &ready);
+    sinks.push_back(&*log);
+  }
   DeviceHealth health(ready.robot);
   hal::Robot robot = hal::Tap(std::move(ready.robot), &health);
   Publisher publisher(sinks);
-  Executive executive({bus.get(), &outbox, &robot, &publisher, &health, {}});
-  Mission mission(
-      config.mission, config.task, database, ready.calibration, config.seed,
-      [&] { return executive.StopRequested(); }, &publisher, &robot);
+  Executive executive(
+      {bus.get(), &outbox, &robot, &publisher, &health, [&] { return log ? log->state() : ""; }});
+  StopRequest stop = [&] { return executive.StopRequested(); };
+  if (log) stop = log->Recorded(std::move(stop), StopSignal);
+  Mission mission(config.mission, config.task, database, ready.calibration, config.seed, stop,
+                  &publisher, &robot);
   const second_look::mission_t start = DescribeStart(config, database, robot.clock->Now());
   publisher.Mission(start);
   Progress progress = Progress::kMore;
   const auto finish = [&] {
     publisher.Mission(DescribeEnd(start, mission.record(), progress, robot.clock->Now()));
     PrintSummary(mission, ProcessorSeconds());
+    if (log) fmt::print("{}\n", log->Close());
     if (options.report.empty()) return;
     WriteReport(config, mission, options.report);
     fmt::print("the result lies in {}\n", options.report);
@@ -111,7 +115,7 @@ int Run(const RunOptions& options) {
       progress = executive.StopRequested() ? Progress::kStopped : Progress::kSettled;
     } else {
       while (progress == Progress::kMore) {
-        PassOnTask(&executive, &mission);
+        PassOnTask(&executive, log ? &*log : nullptr, &mission);
         progress = mission.Step();
       }
     }
@@ -121,7 +125,7 @@ int Run(const RunOptions& options) {
     throw;
   }
   finish();
-  return StatusOf(progress);
+  return StatusOf(progress, StopSignal());
 }
 
 }  // namespace
@@ -134,6 +138,9 @@ void AddRun(CLI::App* app, int* status) {
       ->expected(1)
       ->take_all();
   run->add_option("--report", options->report, "Folder for mission.json, config and pictures");
+  run->add_option("--log", options->log, "File to record the mission in, for replay");
+  run->add_option("--log-split-mb", options->log_split_mb, "Begin FILE.01, … at so many MB")
+      ->capture_default_str();
   run->add_option("--lcm-url", options->lcm_url, "LCM network to speak on; 'none' for none")
       ->capture_default_str();
   run->add_flag("--plan-only", options->plan_only, "Look once, say what would be done, don't move");

@@ -122,9 +122,12 @@ std::string YamlWriter::Finish() {
 }
 
 YamlLayer ReadYamlFile(const std::filesystem::path& path) {
-  const std::string source = path.string();
+  return ParseYaml(ReadFile(path), path.string());
+}
+
+YamlLayer ParseYaml(const std::string& text, const std::string& source) {
   try {
-    YAML::Node node = YAML::Load(ReadFile(path));
+    YAML::Node node = YAML::Load(text);
     if (node.IsNull()) node = YAML::Node(YAML::NodeType::Map);
     return {node, source};
   } catch (const YAML::ParserException& error) {

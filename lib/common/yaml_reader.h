@@ -134,6 +134,9 @@ struct YamlLayer {
 /// Parses the file `path`. @throws ConfigError for a missing file or bad YAML, with its place.
 YamlLayer ReadYamlFile(const std::filesystem::path& path);
 
+/// Parses `text`, which messages call `source`. @throws ConfigError for bad YAML, with its place.
+YamlLayer ParseYaml(const std::string& text, const std::string& source);
+
 /// Parses `KEY=VALUE`, KEY a dotted path ("robot.camera.fps") and VALUE YAML, into the layer
 /// {robot: {camera: {fps: VALUE}}}. @throws ConfigError when it is not of that form.
 YamlLayer ParseOverride(const std::string& key_value);

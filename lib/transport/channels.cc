@@ -22,9 +22,28 @@ const std::vector<ChannelType>& Channels() {
   return channels;
 }
 
+const std::vector<ChannelType>& RecordingChannels() {
+  static const std::vector<ChannelType> channels{
+      {channel::kRecMission, "second_look.rec_mission_t"},
+      {channel::kRecClock, "second_look.rec_clock_t"},
+      {channel::kRecBaseState, "second_look.rec_base_state_t"},
+      {channel::kRecBaseMotion, "second_look.rec_motion_t"},
+      {channel::kRecHeadState, "second_look.rec_head_state_t"},
+      {channel::kRecHeadMotion, "second_look.rec_motion_t"},
+      {channel::kRecImage, "second_look.rec_image_t"},
+      {channel::kRecFrame, "second_look.rec_frame_t"},
+      {channel::kRecError, "second_look.rec_error_t"},
+      {channel::kRecStop, "second_look.rec_stop_t"},
+      {channel::kRecTask, "second_look.task_t"},
+  };
+  return channels;
+}
+
 std::string_view TypeOn(std::string_view channel) {
-  for (const ChannelType& c : Channels()) {
-    if (channel == c.channel) return c.type;
+  for (const auto* channels : {&Channels(), &RecordingChannels()}) {
+    for (const ChannelType& c : *channels) {
+      if (channel == c.channel) return c.type;
+    }
   }
   return "";
 }

@@ -21,6 +21,19 @@ inline constexpr const char* kNavStatus = "SECONDLOOK_NAV_STATUS";
 inline constexpr const char* kTiming = "SECONDLOOK_TIMING";
 inline constexpr const char* kTask = "SECONDLOOK_TASK";        ///< In.
 inline constexpr const char* kCommand = "SECONDLOOK_COMMAND";  ///< In.
+
+// What comes in at the devices, in a recording alone (docs/recording.md).
+inline constexpr const char* kRecMission = "REC_MISSION";
+inline constexpr const char* kRecClock = "REC_CLOCK";
+inline constexpr const char* kRecBaseState = "REC_BASE_STATE";
+inline constexpr const char* kRecBaseMotion = "REC_BASE_MOTION";
+inline constexpr const char* kRecHeadState = "REC_HEAD_STATE";
+inline constexpr const char* kRecHeadMotion = "REC_HEAD_MOTION";
+inline constexpr const char* kRecImage = "REC_IMAGE";
+inline constexpr const char* kRecFrame = "REC_FRAME";
+inline constexpr const char* kRecError = "REC_ERROR";
+inline constexpr const char* kRecStop = "REC_STOP";
+inline constexpr const char* kRecTask = "REC_TASK";
 }  // namespace channel
 
 /// No message of ours is longer [bytes]: longer ones are lost in a default socket buffer.
@@ -32,10 +45,13 @@ struct ChannelType {
   const char* type;  ///< As messages/ names it, e.g. "second_look.view_t".
 };
 
-/// All channels, those we listen to included.
+/// All channels of the bus, those we listen to included.
 const std::vector<ChannelType>& Channels();
 
-/// The type of what is on `channel`; empty for a channel that is not ours.
+/// The channels that are in a recording alone.
+const std::vector<ChannelType>& RecordingChannels();
+
+/// The type of what is on `channel`; empty for a channel of neither kind.
 std::string_view TypeOn(std::string_view channel);
 
 }  // namespace secondlook::transport

@@ -1,0 +1,210 @@
+#include <ctime>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/commands/commands.h"
+#include "apps/commands/mission_status.h"
+#include "apps/decision_check.h"
+#include "apps/follow.h"
+#include "apps/mission.h"
+#include "apps/mission_log.h"
+#include "apps/mission_message.h"
+#include "apps/publisher.h"
+#include "apps/report.h"
+#include "apps/run_config.h"
+#include "apps/stop_signal.h"
+#include "apps/to_message.h"
+#include "lib/common/error.h"
+#include "lib/common/files.h"
+#include "lib/common/hash.h"
+#include "lib/common/parallel.h"
+#include "lib/common/version.h"
+#include "lib/hal/replay/playback.h"
+#include "lib/hal/replay/recording.h"
+#include "lib/transport/channels.h"
+#include "lib/world/object_database.h"
+
+namespace secondlook::apps {
+namespace {
+
+struct ReplayOptions {
+  std::string log;
+  std::string report;
+  bool follow{};
+};
+
+/// Lets the playback go on to the next segment when the mission sets out for a look.
+class Advance : public transport::Sink {
+ public:
+  explicit Advance(hal::Playback* playback) : playback_(playback) {}
+  void Post(const transport::Message& message) override {
+    if (message.channel == transport::channel::kLook) playback_->NextLook();
+  }
+
+ private:
+  hal::Playback* playback_;
+};
+
+/// Says beforehand what may make this mission decide otherwise than the recorded one.
+void WarnOfWhatDiffers(const hal::Recording& recording, const world::ObjectDatabase& database) {
+  for (const std::string& warning : recording.warnings) spdlog::warn("{}", warning);
+  if (recording.start.version != kVersion) {
+    spdlog::warn("recorded by version {}, replayed by version {}: it may decide otherwise",
+                 recording.start.version, kVersion);
+  }
+  std::map<std::string, std::uint64_t> recorded;
+  for (const second_look::rec_model_t& model : recording.start.models) {
+    recorded[model.name] = static_cast<std::uint64_t>(model.hash);
+  }
+  for (const world::ObjectModel& model : database.models()) {
+    const auto found = recorded.find(model.name);
+    if (found == recorded.end()) {
+      spdlog::warn("model '{}' was not in the recorded mission's database", model.name);
+      continue;
+    }
+    if (found->second != model.hash) {
+      spdlog::warn("model '{}' has changed since the recording: its hash was {} and is {}",
+                   model.name, HexDigits(found->second), HexDigits(model.hash));
+    }
+    recorded.erase(found);
+  }
+  for (const auto& [name, hash] : recorded) {
+    spdlog::warn("model '{}' of the recorded mission is no longer in the database", name);
+  }
+}
+
+/// A mission that is fed from a recording, and how it compares with the recorded one.
+class Replayed {
+ public:
+  Replayed(const hal::Recording& recording, const RunConfig& config,
+           const world::ObjectDatabase& database, bool follow)
+      : recording_(recording),
+        check_(recording),
+        playback_(recording),
+        advance_(&playback_),
+        robot_(playback_.MakeRobot()),
+        publisher_({&check_, &advance_}),
+        mission_(
+            config.mission, config.task, database, recording.robot.calibration, config.seed,
+            [this, follow] { return StopAsked(follow); }, &publisher_, &robot_),
+        start_(DescribeStart(config, database, robot_.clock->Now())) {
+    if (follow) mission_.LetChoose(FollowLooks(recording, &check_));
+  }
+
+  /// Runs to the end of the mission, of the recording, or to the first difference that counts.
+  /// @throws what the recorded devices threw.
+  void Run() {
+    try {
+      publisher_.Mission(start_);
+      if (recording_.start.plan_only != 0) {
+        mission_.Plan();
+        progress_ = playback_.StopAsked() ? Progress::kStopped : Progress::kSettled;
+      }
+      while (progress_ == Progress::kMore) Step();
+    } catch (const hal::EndOfRecording& end) {
+      spdlog::warn("{}", end.what());
+      cut_short_ = true;
+    } catch (const DeviceError&) {
+      progress_ = Progress::kFailed;
+      TellEnd();
+      throw;
+    }
+    if (!cut_short_) TellEnd();
+  }
+
+  const Mission& mission() const { return mission_; }
+  const DecisionCheck& check() const { return check_; }
+
+  /// The exit status of a mission that went this way.
+  int Status() const {
+    if (!check_.differences().empty()) return kOtherDecision;
+    if (cut_short_) return kUnsettled;
+    return StatusOf(progress_, StopSignal() != 0 ? StopSignal() : playback_.stop_signal());
+  }
+
+ private:
+  bool StopAsked(bool follow) const {
+    const bool decided_otherwise = !follow && !check_.differences().empty();
+    return StopSignal() != 0 || decided_otherwise || playback_.StopAsked();
+  }
+
+  void Step() {
+    for (const second_look::task_t& task : playback_.tasks()) mission_.SetTask(FromMessage(task));
+    progress_ = mission_.Step();
+  }
+
+  void TellEnd() {
+    publisher_.Mission(DescribeEnd(start_, mission_.record(), progress_, robot_.clock->Now()));
+  }
+
+  const hal::Recording& recording_;
+  DecisionCheck check_;
+  hal::Playback playback_;
+  Advance advance_;
+  hal::Robot robot_;
+  Publisher publisher_;
+  Mission mission_;
+  second_look::mission_t start_;
+  Progress progress_{Progress::kMore};
+  bool cut_short_{};
+};
+
+void PrintVerdict(const DecisionCheck& check, bool follow) {
+  const std::vector<Difference>& differences = check.differences();
+  if (differences.empty()) {
+    fmt::print("the same decisions as in the recording: {} messages compared\n", check.compared());
+    return;
+  }
+  spdlog::error("another decision than in the recording: {}", ToText(differences.front()));
+  if (!follow) return;
+  fmt::print("\n{} differences from the recording:\n", differences.size());
+  for (const Difference& difference : differences) fmt::print("{}\n", ToText(difference));
+}
+
+int Replay(const ReplayOptions& options) {
+  CatchStopSignals();
+  const hal::Recording recording = hal::Recording::Load(options.log);
+  const RunConfig config =
+      ParseRunConfig(recording.start.config, options.log + " (its configuration)");
+  if (!options.report.empty()) MakeWritableFolder(options.report);
+  const ThreadLimit threads(config.threads);
+  const auto database = world::ObjectDatabase::Load(config.models);
+  RequireKnownClasses(config.task, database);
+  WarnOfWhatDiffers(recording, database);
+  Replayed replayed(recording, config, database, options.follow);
+  const auto finish = [&] {
+    PrintSummary(replayed.mission(), static_cast<double>(std::clock()) / CLOCKS_PER_SEC);
+    PrintVerdict(replayed.check(), options.follow);
+    if (options.report.empty()) return;
+    WriteReport(config, replayed.mission(), options.report);
+    fmt::print("the result lies in {}\n", options.report);
+  };
+  try {
+    replayed.Run();
+  } catch (const DeviceError&) {
+    finish();
+    if (!replayed.check().differences().empty()) return kOtherDecision;
+    throw;
+  }
+  finish();
+  return replayed.Status();
+}
+
+}  // namespace
+
+void AddReplay(CLI::App* app, int* status) {
+  CLI::App* replay =
+      app->add_subcommand("replay", "Runs a recorded mission again and compares its decisions");
+  const auto options = std::make_shared<ReplayOptions>();  // outlives this function in the callback
+  replay->add_option("--log", options->log, "Recording, as run --log leaves it")->required();
+  replay->add_option("--report", options->report, "Folder for mission.json, config and pictures");
+  replay->add_flag("--follow", options->follow,
+                   "Go on along the recorded looks where the mission would take others");
+  replay->callback([options, status] { *status = Replay(*options); });
+}
+
+}  // namespace secondlook::apps
