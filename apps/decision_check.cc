@@ -42,8 +42,7 @@ int StepOf(const Json& body) { return body.value("step", kEnd); }
 }  // namespace
 
 std::string ToText(const Difference& difference) {
-  const std::string field =
-      difference.field.empty() ? "" : fmt::format(", '{}'", difference.field);
+  const std::string field = difference.field.empty() ? "" : fmt::format(", '{}'", difference.field);
   return fmt::format("step {}, {}{}: recorded {}, now {}", difference.step, difference.channel,
                      field, difference.recorded, difference.present);
 }
@@ -83,8 +82,8 @@ void DecisionCheck::Post(const transport::Message& message) {
 }
 
 void DecisionCheck::Differ(Difference difference) {
-  const bool known = std::any_of(
-      differences_.begin(), differences_.end(), [&](const Difference& d) {
+  const bool known =
+      std::any_of(differences_.begin(), differences_.end(), [&](const Difference& d) {
         return d.step == difference.step && d.channel == difference.channel;
       });
   if (!known) differences_.push_back(std::move(difference));

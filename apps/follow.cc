@@ -41,9 +41,9 @@ std::string Quoted(const std::string& text) { return "\"" + text + "\""; }
 }  // namespace
 
 LookChooser FollowLooks(const hal::Recording& recording, DecisionCheck* check) {
-  return [looks = LooksByStep(recording), complete = recording.complete, check,
-          step = 0](std::optional<TakenLook> own,
-                    const std::string& end) mutable -> std::optional<TakenLook> {
+  return [looks = LooksByStep(recording), complete = recording.complete, check, step = 0](
+             std::optional<TakenLook> own,
+             const std::string& end) mutable -> std::optional<TakenLook> {
     const auto found = looks.find(++step);
     const char* channel = transport::channel::kLook;
     if (found == looks.end()) {
@@ -56,8 +56,8 @@ LookChooser FollowLooks(const hal::Recording& recording, DecisionCheck* check) {
       check->Differ({step, channel, "", Quoted(recorded.reason), "no look, but the end: " + end});
       return Recorded(recorded);
     }
-    const auto difference = transport::FirstDifference(
-        AsJson(recorded, recorded), AsJson(ToMessage(own->look), recorded));
+    const auto difference = transport::FirstDifference(AsJson(recorded, recorded),
+                                                       AsJson(ToMessage(own->look), recorded));
     if (!difference) return own;
     check->Differ({step, channel, difference->path, difference->a, difference->b});
     TakenLook taken = Recorded(recorded);

@@ -139,8 +139,7 @@ class Replayed {
   }
 
   void TellEnd() {
-    publisher_.Mission(
-        DescribeEnd(start_, mission_.record(), progress_, robot_.clock->Now()));
+    publisher_.Mission(DescribeEnd(start_, mission_.record(), progress_, robot_.clock->Now()));
   }
 
   const hal::Recording& recording_;
