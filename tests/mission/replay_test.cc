@@ -15,6 +15,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/make_robot.h"
+#include "apps/mission.h"
+#include "apps/mission_log.h"
+#include "apps/mission_message.h"
+#include "apps/publisher.h"
 #include "lib/common/files.h"
 #include "lib/transport/channels.h"
 #include "lib/transport/event_log.h"
@@ -153,6 +158,39 @@ TEST(Replay, OfAStoppedMissionStopsAtTheSamePlace) {
   EXPECT_TRUE(mission.replayed_json() == mission.json());
 }
 
+/// Records a mission that is told in its second step to take no further look.
+void RecordWithATask(const testing::SmallWorld& world, const std::string& file) {
+  MissionLog log(file, 1000.0);
+  const RunConfig config = LoadRunConfig(world.config(), {});
+  const auto database = world::ObjectDatabase::Load(config.models);
+  ReadyRobot ready = MakeRobot(config.robot, config.seed);
+  log.Begin(config, database, false, &ready);
+  Publisher publisher({&log});
+  Mission mission(
+      config.mission, config.task, database, ready.calibration, config.seed, [] { return false; },
+      &publisher, &ready.robot);
+  const auto start = DescribeStart(config, database, ready.robot.clock->Now());
+  publisher.Mission(start);
+  EXPECT_EQ(mission.Step(), Progress::kMore);
+  world::Task task = config.task;
+  task.budget.looks = 0;
+  mission.SetTask(task);
+  log.Task(task);
+  const Progress progress = mission.Step();
+  EXPECT_EQ(progress, Progress::kBudgetSpent);
+  publisher.Mission(DescribeEnd(start, mission.record(), progress, ready.robot.clock->Now()));
+}
+
+TEST(Replay, GivesTheMissionTheTaskThatCameIn) {
+  const testing::SmallWorld world;
+  const std::string file = (world / "mission.log").string();
+  RecordWithATask(world, file);
+  const ProgramResult replay = RunProgram({"replay", "--log", file});
+  EXPECT_EQ(replay.status, 4) << replay.err;
+  EXPECT_THAT(replay.out, HasSubstr("the same decisions as in the recording"));
+  EXPECT_THAT(replay.out, HasSubstr("the budget of 0 looks is spent"));
+}
+
 TEST(Replay, OfAMissionWhoseCameraFailedFailsAlike) {
   const RecordedMission mission({"robot.camera_fault=lost"});
   ASSERT_EQ(mission.result.status, 3) << mission.result.err;
@@ -289,6 +327,18 @@ TEST(Recording, HoldsNoMessageThatIsTooLongForTheBus) {
   while (const auto event = reader.Next()) {
     EXPECT_LE(event->bytes.size(), transport::kMaxMessageBytes) << event->channel;
   }
+}
+
+TEST(Recording, InSeveralPartsIsReplayedAsOne) {
+  const testing::SmallWorld world;
+  const std::string log = (world / "mission.log").string();
+  const ProgramResult run =
+      RunProgram({"run", "--config", world.config().string(), "--log", log, "--log-split-mb", "1"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_TRUE(std::filesystem::exists(log + ".01"));
+  EXPECT_EQ(RunProgram({"replay", "--log", log}).status, 0);
+  std::filesystem::remove(log + ".01");
+  EXPECT_THAT(RunProgram({"replay", "--log", log}).err, HasSubstr("the recording ends here"));
 }
 
 TEST(Recording, ThatCannotBeWrittenIsToldBeforeTheMissionStarts) {
