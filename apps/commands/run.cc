@@ -1,4 +1,5 @@
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,10 +10,12 @@
 #include "apps/make_robot.h"
 #include "apps/mission.h"
 #include "apps/mission_message.h"
+#include "apps/page.h"
 #include "apps/publisher.h"
 #include "apps/report.h"
 #include "apps/run_config.h"
 #include "apps/stop_signal.h"
+#include "apps/story.h"
 #include "lib/common/error.h"
 #include "lib/common/files.h"
 #include "lib/common/parallel.h"
@@ -58,7 +61,10 @@ int Run(const RunOptions& options) {
   const auto database = world::ObjectDatabase::Load(config.models);
   RequireKnownClasses(config.task, database);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
-  Publisher publisher;
+  Story story;
+  std::vector<transport::Sink*> sinks;
+  if (!options.report.empty()) sinks.push_back(&story);
+  Publisher publisher(sinks);
   Mission mission(
       config.mission, config.task, database, ready.calibration, config.seed,
       [] { return StopSignal() != 0; }, &publisher, &ready.robot);
@@ -70,6 +76,7 @@ int Run(const RunOptions& options) {
     PrintSummary(mission, ProcessorSeconds());
     if (options.report.empty()) return;
     WriteReport(config, mission, options.report);
+    WriteFile(std::filesystem::path(options.report) / "report.html", Page(story.All()));
     fmt::print("the result lies in {}\n", options.report);
   };
   try {
@@ -97,7 +104,8 @@ void AddRun(CLI::App* app, int* status) {
   run->add_option("--set", options->overrides, "KEY=VALUE, over the configuration; may be repeated")
       ->expected(1)
       ->take_all();
-  run->add_option("--report", options->report, "Folder for mission.json, config and pictures");
+  run->add_option("--report", options->report,
+                  "Folder for report.html, mission.json, config and pictures");
   run->add_flag("--plan-only", options->plan_only, "Look once, say what would be done, don't move");
   run->callback([options, status] { *status = Run(*options); });
 }
