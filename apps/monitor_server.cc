@@ -57,13 +57,13 @@ MonitorServer::MonitorServer(const Story* story, const Listener* listener, int p
                               {"X-Frame-Options", "DENY"},
                               {"Cross-Origin-Resource-Policy", "same-origin"},
                               {"Referrer-Policy", "no-referrer"}});
-  http_->set_pre_routing_handler([this](const httplib::Request& request,
-                                        httplib::Response& response) {
-    if (IsOurs(request, port_)) return httplib::Server::HandlerResponse::Unhandled;
-    Refuse(403, fmt::format("This is http://{}:{}/ and nothing else.\n", kLoopback, port_),
-           &response);
-    return httplib::Server::HandlerResponse::Handled;
-  });
+  http_->set_pre_routing_handler(
+      [this](const httplib::Request& request, httplib::Response& response) {
+        if (IsOurs(request, port_)) return httplib::Server::HandlerResponse::Unhandled;
+        Refuse(403, fmt::format("This is http://{}:{}/ and nothing else.\n", kLoopback, port_),
+               &response);
+        return httplib::Server::HandlerResponse::Handled;
+      });
   http_->Get("/", [page = LivePage()](const httplib::Request&, httplib::Response& response) {
     response.set_content(page, "text/html; charset=utf-8");
   });

@@ -76,12 +76,17 @@ void ReduceOccupancy(Json* map) {
   }
 }
 
-void ReduceLook(Json* look) { Erase({"head", "num_path", "checks", "num_checks"}, look); }
+void ReduceLook(Json* look) {
+  Erase({"head", "num_path", "checks", "num_checks", "num_terms"}, look);
+}
 
+/// There are hundreds of them in a step. What was refused has no worth.
 void ReduceCandidates(Json* candidates) {
   for (Json& look : (*candidates)["looks"]) {
     ReduceLook(&look);
     Erase({"utime", "step", "path_W"}, &look);
+    if (look["feasible"] == true) continue;
+    Erase({"X_WC", "terms", "score", "seconds", "metres", "chosen"}, &look);
   }
 }
 

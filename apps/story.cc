@@ -126,9 +126,8 @@ void Story::ForgetOldEvidence(int step) {
 
 void Story::MakeRoom() {
   while (entries_.size() > limits_.messages || bytes_ > limits_.bytes) {
-    const auto oldest = std::find_if(entries_.begin(), entries_.end(), [](const Entry& e) {
-      return e.channel != channel::kMission;
-    });
+    const auto oldest = std::find_if(entries_.begin(), entries_.end(),
+                                     [](const Entry& e) { return e.channel != channel::kMission; });
     if (oldest == entries_.end()) return;
     bytes_ -= oldest->json.size();
     entries_.erase(oldest);

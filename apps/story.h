@@ -26,8 +26,8 @@ struct StoryPart {
   std::string status;        ///< JSON: the newest STATUS message, or null.
 };
 
-/// What one mission has told, as much of it as the page needs. A new mission begins a new story: its
-/// MISSION message, or steps that count from 1 again.
+/// What one mission has told, as much of it as the page needs. A new mission begins a new story:
+/// its MISSION message, or steps that count from 1 again.
 ///
 /// Threading: from any thread.
 class Story : public transport::Sink {

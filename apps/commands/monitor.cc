@@ -29,7 +29,8 @@ int Watch(const MonitorOptions& options) {
   lcm::LCM lcm(options.lcm_url);
   if (!lcm.good()) {
     Throw<ConfigError>(
-        "--lcm-url {}: LCM cannot be opened; where the machine has no route for multicast, add one: "
+        "--lcm-url {}: LCM cannot be opened; where the machine has no route for multicast, add "
+        "one: "
         "ip route add 224.0.0.0/4 dev lo",
         options.lcm_url);
   }

@@ -16,6 +16,16 @@ function found(objects) {
   return parts.length ? `It ${parts.join('; ')}.` : 'It found nothing on a table.';
 }
 
+function foundSoFar(objects) {
+  if (objects.length === 0) return 'It is looking for a table.';
+  const of = kind => objects.filter(o => standing(o) === kind);
+  const names = of('verified').map(o => o.class_name);
+  const open = of('open').length;
+  return `${names.length ? `So far it has found ${listed(names)}` : 'So far it has found nothing for sure'}` +
+    `${of('unknown').length ? `; met ${things(of('unknown').length)} it does not know` : ''}` +
+    `; ${open ? `${things(open)} still open` : 'nothing is open'}.`;
+}
+
 function things(count) {
   return count === 1 ? 'one thing' : `${count} things`;
 }
@@ -28,10 +38,9 @@ function drawHeadline(mission) {
   const costs = mission.costs();
   const told = mission.told;
   const spent = `${plural(costs.looks, 'look')}, ${fixed(costs.metres, 1)}\u00a0m and ${fixed(costs.seconds, 0)}\u00a0s of robot time`;
-  const running = objects.length ? `${found(objects).replace(/^It /, 'So far it has ').replace('left', 'has still')}` : 'It is looking for a table.';
   const thinking = told && mission.ended ? `: ${fixed(told.motion_seconds, 0)}\u00a0s moving, ${fixed(told.compute_seconds, 0)}\u00a0s thinking` : '';
   return [
-    el('h1', {}, mission.ended ? found(objects) : running),
+    el('h1', {}, mission.ended ? found(objects) : foundSoFar(objects)),
     el('p', {class: 'lead'},
       told ? `It was asked for ${asked(told.task)}. ` : 'Its beginning was not heard. ',
       mission.task ? `Meanwhile it was asked for ${asked(mission.task)}. ` : '',
@@ -63,7 +72,7 @@ function drawStatus(live) {
   const lines = [];
   if (live.lost) lines.push(el('p', {class: 'fault'}, 'The monitor does not answer; what is shown here may be old.'));
   if (!status) {
-    lines.push(el('p', {class: 'note'}, 'No STATUS has come: no mission runs that can be heard here.'));
+    lines.push(el('p', {class: 'note'}, 'No STATUS has come: nothing is known of the process and its devices.'));
   } else {
     const silent = live.age > 3 ? ` (silent for ${fixed(live.age, 0)} s)` : '';
     lines.push(

@@ -106,7 +106,16 @@ function drawWay(mission, step, unit) {
     planned.length ? el('path', {
       class: 'planned', d: planned.map((p, i) => `${i ? 'L' : 'M'}${at(p[0], p[1])}`).join(''), 'stroke-width': 1.3 * unit, 'stroke-dasharray': `${4 * unit} ${4 * unit}`,
     }) : null,
-    el('path', {class: 'way now', d: line(step.way), 'stroke-width': 3 * unit}));
+    el('path', {class: 'way now', d: line(step.way), 'stroke-width': 3 * unit}),
+    step.way.filter(status => status.phase === NAV.FAILED).map(status => drawCross(status, unit)));
+}
+
+// Where a motion failed.
+function drawCross({X_WB: [x, y], reason}, unit) {
+  const r = 6 * unit;
+  return el('path', {
+    class: 'failed', 'stroke-width': 3 * unit, d: `M${at(x, y)}m${-r} ${-r}l${2 * r} ${2 * r}m0 ${-2 * r}l${-2 * r} ${2 * r}`,
+  }, el('title', {}, reason));
 }
 
 // Which way a camera looks in the plan: the z axis of R_WC, by its quaternion w, x, y, z.
@@ -122,8 +131,7 @@ function wedge(x, y, angle, size, spread = 0.55) {
 }
 
 function aim(look) {
-  const nowhere = look.X_WC.p.every(value => value === 0); // refused before the camera's pose was known
-  return nowhere ? look.X_WB[2] : heading(look.X_WC);
+  return look.X_WC ? heading(look.X_WC) : look.X_WB[2]; // refused ones come without the camera's pose
 }
 
 function lookInWords(look) {
@@ -135,7 +143,7 @@ function lookInWords(look) {
 }
 
 function drawMarks(looks, step, unit, said) {
-  const best = Math.max(1e-9, ...looks.map(look => look.score));
+  const best = Math.max(1e-9, ...looks.map(look => look.score ?? 0));
   const marks = looks.map(look => el('path', {
     class: `mark${look.feasible ? '' : ' refused'}${look.chosen ? ' chosen' : ''}`,
     d: wedge(look.X_WB[0], look.X_WB[1], aim(look), (look.chosen ? 0.11 : 0.075) * unit),
@@ -189,5 +197,6 @@ function drawLegend() {
     sample('taken', el('path', {class: 'mark chosen', d: 'M14 6L3 2L3 10z', 'stroke-width': 1.8})),
     sample('way to it', el('path', {class: 'way now', d: 'M1 6H15', 'stroke-width': 3})),
     sample('way before', el('path', {class: 'way', d: 'M1 6H15', 'stroke-width': 3})),
+    sample('stopped short', el('path', {class: 'failed', d: 'M4 2L12 10M12 2L4 10', 'stroke-width': 2.5})),
     sample('occupied', el('rect', {class: 'occupied', x: 3, y: 1, width: 10, height: 10})));
 }

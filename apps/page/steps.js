@@ -152,11 +152,12 @@ function counted(names) {
 }
 
 function byScore(looks) {
-  return [...looks].sort((a, b) => b.chosen - a.chosen || b.feasible - a.feasible || b.score - a.score);
+  const rank = look => look.chosen ? Infinity : look.feasible ? look.score : -Infinity;
+  return [...looks].sort((a, b) => rank(a) === rank(b) ? 0 : rank(b) - rank(a));
 }
 
 function term(look, name) {
-  return look.terms.find(t => t.name === name)?.value ?? NaN;
+  return look.terms?.find(t => t.name === name)?.value ?? NaN;
 }
 
 function drawCandidates(step) {

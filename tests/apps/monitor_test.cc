@@ -53,8 +53,8 @@ class Monitor : public ::testing::Test {
 
   /// What a browser is given that has come as far as the last answer said.
   Json Poll(const Json& last = {{"story", 0}, {"next", 0}}) const {
-    return Json::parse(Get("/messages?story=" + last["story"].dump() +
-                           "&from=" + last["next"].dump())->body);
+    return Json::parse(
+        Get("/messages?story=" + last["story"].dump() + "&from=" + last["next"].dump())->body);
   }
 
   lcm::LCM lcm_{"memq://"};

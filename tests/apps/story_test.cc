@@ -92,8 +92,9 @@ TEST(Story, KeepsColourAndDropsDepth) {
   images.images[1].size = 3;
   images.images[1].width = 640;
   images.images[1].height = 480;
-  EXPECT_EQ(OnlyMessage(transport::Pack(channel::kImage, images)),
-            Json::parse(R"({"utime": 7, "images": [{"width": 640, "height": 480, "data": "Zm9v"}]})"));
+  EXPECT_EQ(
+      OnlyMessage(transport::Pack(channel::kImage, images)),
+      Json::parse(R"({"utime": 7, "images": [{"width": 640, "height": 480, "data": "Zm9v"}]})"));
 }
 
 TEST(Story, RoundsToATenthOfAMillimetreAndDropsCovariances) {
@@ -104,20 +105,26 @@ TEST(Story, RoundsToATenthOfAMillimetreAndDropsCovariances) {
   EXPECT_EQ(object["hypotheses"][0]["evidence"].size(), 1U);
 }
 
-TEST(Story, KeepsOfCandidatesWhereTheyAreAndWhatTheyAreWorth) {
+TEST(Story, KeepsOfCandidatesWhereTheyAreAndWhatTheyAreWorthOrWhyTheyAreRefused) {
   auto candidates = InOnePiece<second_look::candidates_t>(1);
-  candidates.looks.resize(candidates.num_looks = 1);
-  second_look::look_t& look = candidates.looks[0];
-  look.path_W.resize(look.num_path = 2, {0.0, 0.0, 0.0});
-  look.checks.resize(look.num_checks = 3);
-  look.score = 0.5;
-  look.reason = "collision: with the map";
-  const Json kept = OnlyMessage(transport::Pack(channel::kCandidates, candidates))["looks"][0];
-  EXPECT_EQ(kept["score"], 0.5);
-  EXPECT_EQ(kept["reason"], "collision: with the map");
-  EXPECT_TRUE(kept.contains("X_WB"));
-  EXPECT_FALSE(kept.contains("path_W"));
-  EXPECT_FALSE(kept.contains("checks"));
+  candidates.looks.resize(candidates.num_looks = 2);
+  for (second_look::look_t& look : candidates.looks) {
+    look.path_W.resize(look.num_path = 2, {0.0, 0.0, 0.0});
+    look.checks.resize(look.num_checks = 3);
+    look.X_WB[0] = 1.5;
+  }
+  candidates.looks[0].feasible = 1;
+  candidates.looks[0].score = 0.5;
+  candidates.looks[1].reason = "collision: with the map";
+  const Json looks = OnlyMessage(transport::Pack(channel::kCandidates, candidates))["looks"];
+  EXPECT_EQ(looks[0]["score"], 0.5);
+  EXPECT_EQ(looks[1]["reason"], "collision: with the map");
+  EXPECT_FALSE(looks[1].contains("score"));
+  for (const Json& look : looks) {
+    EXPECT_EQ(look["X_WB"][0], 1.5);
+    EXPECT_FALSE(look.contains("path_W"));
+    EXPECT_FALSE(look.contains("checks"));
+  }
 }
 
 TEST(Story, KeepsOfTheMapWhatIsOccupiedAndThatABlockHasBecomeEmpty) {

@@ -86,6 +86,16 @@ std::string OutputOf(const std::string& command) {
   return output;
 }
 
+/// The elements and texts of a page once it is drawn.
+std::string Browse(const std::string& url, const std::string& options) {
+  const TemporaryFolder profile;
+  return OutputOf(fmt::format(
+      "timeout 100 /usr/bin/chromium --headless --no-sandbox --disable-gpu --disable-quic "
+      "--no-first-run --disable-background-networking --disable-component-update --disable-sync "
+      "--disable-dev-shm-usage --user-data-dir={} {} --dump-dom '{}' 2>/dev/null",
+      profile.path().string(), options, url));
+}
+
 std::string PercentDecoded(const std::string& text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -103,23 +113,23 @@ std::string PercentDecoded(const std::string& text) {
 
 bool HaveBrowser() { return std::filesystem::exists("/usr/bin/chromium"); }
 
+std::string ElementsAt(const std::string& url) { return Browse(url, "--virtual-time-budget=3000"); }
+
 Drawn Draw(const std::string& page, bool dark, int width) {
   const TemporaryFolder folder;
   std::string probed = page;
   probed.insert(probed.find("<title>"), kBefore);
   probed.insert(probed.find("</body>"), kAfter);
   WriteFile(folder / "page.html", probed);
-  const std::string output = OutputOf(fmt::format(
-      "timeout 100 /usr/bin/chromium --headless --no-sandbox --disable-gpu --disable-quic "
-      "--no-first-run --disable-background-networking --disable-component-update --disable-sync "
-      "--disable-dev-shm-usage --user-data-dir={0}/profile --window-size={1},900 "
-      "--blink-settings=preferredColorScheme={2} --virtual-time-budget=20000 --dump-dom "
-      "file://{0}/page.html 2>/dev/null",
-      folder.path().string(), width, dark ? 0 : 1));
+  const std::string output = Browse("file://" + (folder / "page.html").string(),
+                                    fmt::format("--virtual-time-budget=20000 --window-size={},900 "
+                                                "--blink-settings=preferredColorScheme={}",
+                                                width, dark ? 0 : 1));
   const std::size_t begin = output.find("FOUND");
   const std::size_t end = output.rfind("FOUND");
   if (begin == end) throw std::runtime_error("the page did not come to an end:\n" + output);
-  const auto found = nlohmann::json::parse(PercentDecoded(output.substr(begin + 5, end - begin - 5)));
+  const auto found =
+      nlohmann::json::parse(PercentDecoded(output.substr(begin + 5, end - begin - 5)));
   Drawn drawn;
   drawn.faults = found["faults"].get<std::vector<std::string>>();
   drawn.pictures = found["pictures"];
@@ -128,7 +138,8 @@ Drawn Draw(const std::string& page, bool dark, int width) {
   drawn.text = found["text"];
   drawn.background = found["background"];
   drawn.ink = found["ink"];
-  drawn.lowest_contrast = found["lowest_contrast"].is_number() ? found["lowest_contrast"].get<double>() : 0.0;
+  drawn.lowest_contrast =
+      found["lowest_contrast"].is_number() ? found["lowest_contrast"].get<double>() : 0.0;
   drawn.overflows = found["overflows"];
   drawn.elements = found["elements"];
   return drawn;

@@ -11,8 +11,8 @@ namespace secondlook::testing {
 /// True when Debian's chromium is installed (tools/test_packages.txt).
 bool HaveBrowser();
 
-/// What a page looked like once it had drawn itself and everything on it had been opened, chosen and
-/// pointed at.
+/// What a page looked like once it had drawn itself and everything on it had been opened, chosen
+/// and pointed at.
 struct Drawn {
   std::vector<std::string> faults;  ///< Errors of its scripts and of its security policy.
   int pictures{};
@@ -28,5 +28,9 @@ struct Drawn {
 
 /// Draws a page in headless Chromium. @pre HaveBrowser().
 Drawn Draw(const std::string& page, bool dark = false, int width = 1366);
+
+/// The elements and texts of what a server shows, some seconds after it was opened.
+/// @pre HaveBrowser().
+std::string ElementsAt(const std::string& url);
 
 }  // namespace secondlook::testing

@@ -3,8 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <lcm/lcm-cpp.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "apps/listener.h"
+#include "apps/monitor_server.h"
 #include "apps/page.h"
 #include "apps/story.h"
 #include "lib/common/files.h"
@@ -19,6 +22,7 @@
 #include "second_look/nav_status_t.hpp"
 #include "second_look/objects_t.hpp"
 #include "second_look/occupancy_t.hpp"
+#include "second_look/status_t.hpp"
 #include "second_look/support_plane_t.hpp"
 #include "second_look/timing_t.hpp"
 #include "second_look/view_t.hpp"
@@ -26,11 +30,10 @@
 namespace secondlook::apps {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::Not;
 using testing::Draw;
 using testing::Drawn;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 namespace channel = transport::channel;
 
 /// What a page says in bright text to be read: WCAG 2, level AA.
@@ -184,6 +187,7 @@ TEST_F(PageInBrowser, TellsAMissionThatEndedBeforeItsFirstView) {
 }
 
 TEST_F(PageInBrowser, TakesTextFromOutsideAsTextAlone) {
+  const std::string elements = Draw(PageOfTexts("harmless")).elements;
   for (const std::string hostile :
        {"<img src=x onerror=alert(1)>", "</script><script>alert(1)</script>", "${alert(1)}",
         "\"'><svg onload=alert(1)>", "__proto__"}) {
@@ -191,8 +195,30 @@ TEST_F(PageInBrowser, TakesTextFromOutsideAsTextAlone) {
     EXPECT_THAT(drawn.faults, IsEmpty()) << hostile;
     EXPECT_THAT(drawn.headline, HasSubstr(hostile));
     EXPECT_EQ(drawn.broken, 0) << "a picture that is not ours";
-    EXPECT_EQ(drawn.elements, Draw(PageOfTexts("harmless")).elements) << hostile;
+    EXPECT_EQ(drawn.elements, elements) << hostile;
   }
+}
+
+TEST_F(PageInBrowser, ShowsLiveWhatTheMonitorHears) {
+  lcm::LCM lcm("memq://");
+  Story story;
+  Listener listener(&lcm, &story);
+  const MonitorServer server(&story, &listener, 0);
+  const std::string url = "http://127.0.0.1:" + std::to_string(server.port()) + "/";
+  EXPECT_THAT(testing::ElementsAt(url), HasSubstr("No mission yet."));
+
+  second_look::mission_t mission{};
+  mission.seed = 4711;
+  lcm.publish(channel::kMission, &mission);
+  lcm.handleTimeout(0);
+  second_look::status_t status{};
+  status.phase = "moving";
+  lcm.publish(channel::kStatus, &status);
+  lcm.handleTimeout(0);
+  const std::string elements = testing::ElementsAt(url);
+  EXPECT_THAT(elements, HasSubstr("live · seed 4711"));
+  EXPECT_THAT(elements, HasSubstr("It is looking for a table."));
+  EXPECT_THAT(elements, HasSubstr("<strong>moving</strong>"));
 }
 
 }  // namespace
