@@ -10,6 +10,8 @@ namespace {
 constexpr Duration kKeep = Seconds(10);
 /// How long after a frame's time the states may come in.
 constexpr Duration kSettle = Seconds(0.05);
+/// A frame may be stamped so much later than it is, by the error of its stamp.
+constexpr Duration kMaxAhead = Seconds(0.5);
 /// More frames from the past than this in a row, and the camera's stamps are wrong.
 constexpr int kMaxStale = 10;
 
@@ -48,12 +50,29 @@ std::optional<Capture> Capturer::Take(Duration timeout) {
         robot_->head_camera->info().name, ToSeconds(robot_->clock->Now() - frame->time));
   }
   if (!frame) return std::nullopt;
+  const Time now = robot_->clock->Now();
+  if (frame->time > now + kMaxAhead) {
+    Throw<DeviceError>(
+        "camera '{}': its newest frame is stamped {:.3f} s ahead of the robot's clock; check its "
+        "clock and its time stamps",
+        robot_->head_camera->info().name, ToSeconds(frame->time - now));
+  }
   robot_->clock->SleepUntil(frame->time + kSettle);
   Poll();
-  const Pose X_WB = X_WB_.At(frame->time);
-  const Pose X_WC = X_WB * X_BC_.At(frame->time);
-  return Capture{*frame, robot_->head_camera->info().model, X_WC,
-                 X_WB.translation() - X_WC.translation()};
+  return At(*frame);
+}
+
+/// The capture of `frame`: a frame from a time when the robot's pose is not known is the fault of
+/// somebody's clock.
+Capture Capturer::At(const hal::RgbdFrame& frame) const try {
+  const Pose X_WB = X_WB_.At(frame.time);
+  const Pose X_WC = X_WB * X_BC_.At(frame.time);
+  return {frame, robot_->head_camera->info().model, X_WC, X_WB.translation() - X_WC.translation()};
+} catch (const InvalidArgument& error) {
+  Throw<DeviceError>(
+      "camera '{}': no pose for its frame {}: {}; check that camera, base and head stamp with one "
+      "clock",
+      robot_->head_camera->info().name, frame.sequence, error.what());
 }
 
 }  // namespace secondlook::apps

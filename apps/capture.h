@@ -31,10 +31,13 @@ class Capturer {
   void Poll();
 
   /// The next frame taken from now on, waiting up to `timeout`; empty when none came.
-  /// @throws DeviceError when a device is lost.
+  /// @throws DeviceError when a device is lost, or when the camera's stamps and those of base and
+  /// head do not fit together.
   std::optional<Capture> Take(Duration timeout);
 
  private:
+  Capture At(const hal::RgbdFrame& frame) const;
+
   hal::Robot* robot_;
   kinematics::HeadCalibration calibration_;
   PoseHistory X_WB_;

@@ -15,6 +15,7 @@ struct DriveOutcome {
   Kind kind{Kind::kReached};
   std::string reason;  ///< Why it failed or stopped, with values; empty when reached.
   double metres{};     ///< Driven, by localisation.
+  bool base_failed{};  ///< It was the base that failed, not the head.
 };
 
 /// Asked often while the robot moves: true when it is to stop.

@@ -209,6 +209,11 @@ bool Mission::Matters(const ObjectBelief& object) const {
 }
 
 std::optional<TakenLook> Mission::SearchForTable() {
+  const hal::PanTiltInfo& head = robot_->head->info();
+  while (searched_ > 0 && searched_ < static_cast<int>(kSearch.size()) &&
+         !head.Reaches(kSearch[searched_])) {
+    ++searched_;
+  }
   if (searched_ == static_cast<int>(kSearch.size())) {
     End(Progress::kNoLook, "no table was found in any direction");
     return std::nullopt;
@@ -225,7 +230,9 @@ std::optional<TakenLook> Mission::SearchForTable() {
 
 std::optional<TakenLook> Mission::Choose(const Question& question) {
   const auto settled = [&] {
-    if (question.spent.empty()) {
+    if (belief().objects.empty()) {
+      End(Progress::kSettled, "nothing was found on the table");
+    } else if (question.spent.empty()) {
       End(Progress::kSettled, "everything is settled");
     } else {
       End(Progress::kBudgetSpent, fmt::format("still open after {} looks each: {} of the things",
@@ -355,6 +362,8 @@ Progress Mission::Act(TakenLook taken) {
   taken.outcome = outcome.kind == DriveOutcome::Kind::kReached ? "reached" : outcome.reason;
   if (outcome.kind == DriveOutcome::Kind::kFailed) {
     spdlog::warn("look {}: {}", record_.looks.size() + 1, outcome.reason);
+  }
+  if (outcome.base_failed) {
     // Something stands there that the map does not show: right ahead of where the base stopped.
     const Pose2 X_WB = robot_->base->State().X_WB;
     const double ahead = robot_->base->info().radius + config_.looks.blocked_radius_m;

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <utility>
 
 #include "lib/fusion/match.h"
@@ -37,6 +36,8 @@ constexpr int kRefineRounds = 4;
 /// A verified pose is told from poses turned by so much: a little more than it may be off.
 constexpr double kRivalTurn_rad = 0.12;
 constexpr int kMaxTurnRounds = 5;
+/// Nearer to the middle of two such turns, in shares of the turn, a pose is not moved.
+constexpr double kCentred = 0.05;
 /// How well views are registered to each other: what a single view's pose is worth in the map.
 constexpr double kViewSigma_m = 0.004;
 constexpr double kViewSigma_rad = 0.006;
@@ -77,6 +78,12 @@ std::vector<int> UnionOfPixels(const std::vector<int>& a, const std::vector<int>
   std::vector<int> all = a;
   all.insert(all.end(), b.begin(), b.end());
   return all;
+}
+
+/// The sighting of `object` in `view`. @pre there is one.
+const world::Sighting& SightingIn(const ObjectBelief& object, int view) {
+  return *std::find_if(object.sightings.begin(), object.sightings.end(),
+                       [&](const world::Sighting& s) { return s.view == view; });
 }
 
 }  // namespace
@@ -359,49 +366,110 @@ world::ViewEvidence SceneUnderstanding::Ask(const world::Sighting& sighting,
   return evidence;
 }
 
+/// `best` with its model turned by X_MS, as the views that `best` rests on see it.
+PoseHypothesis SceneUnderstanding::Turned(const ObjectBelief& object, const PoseHypothesis& best,
+                                          const Pose& X_MS) {
+  const perception::RecognitionModel& model = ModelOf(best.model);
+  PoseHypothesis turned;
+  turned.model = best.model;
+  turned.X_WM = best.X_WM * X_MS;
+  for (const world::ViewEvidence& e : best.evidence) {
+    turned.evidence.push_back(Ask(SightingIn(object, e.view), model, e.hypothesis.X_CM * X_MS));
+  }
+  return turned;
+}
+
+/// `best` refined in all its views together, colour included; empty when that fits worse or is
+/// another pose.
+std::optional<PoseHypothesis> SceneUnderstanding::RefinedTogether(const ObjectBelief& object,
+                                                                  const PoseHypothesis& best) {
+  std::vector<perception::PlacedModel> placed;
+  for (const world::ViewEvidence& e : best.evidence) {
+    placed.push_back({&views_[e.view], SightingIn(object, e.view).detection, e.hypothesis.X_CM});
+  }
+  const perception::RecognitionModel& model = ModelOf(best.model);
+  const Pose X_MS =
+      perception::RefineTogether(model, std::move(placed), kRefineRounds, &rasteriser_);
+  const Eigen::Vector3d moved_M = X_MS * model.center_M - model.center_M;
+  const bool another_pose =
+      moved_M.norm() > kMaxRefinement_m ||
+      RotationDistance(Eigen::Matrix3d::Identity(), X_MS.linear()) > kMaxRefinement_rad ||
+      perception::LeavesItsRest(model, best.X_WM, X_MS, belief_.plane_W->normal_A);
+  if (another_pose) return std::nullopt;
+  PoseHypothesis refined = Turned(object, best, X_MS);
+  if (fusion::Lead(config_.conclude, best, refined) > 0.0) return std::nullopt;
+  FusePose(&refined);
+  return refined;
+}
+
+/// Where between `best` turned a little by X_MS and turned back by as much the views' preference is
+/// highest: the top of the parabola through the three leads, at most half way. Empty when it is
+/// there already, or that is no better.
+std::optional<PoseHypothesis> SceneUnderstanding::Recentred(const ObjectBelief& object,
+                                                            const PoseHypothesis& best,
+                                                            const Pose& X_MS) {
+  const double angle = RotationDistance(Eigen::Matrix3d::Identity(), X_MS.linear());
+  if (angle > 1.01 * kRivalTurn_rad) return std::nullopt;
+  const auto lead = [&](const PoseHypothesis& other) {
+    return fusion::Lead(config_.conclude, best, other);
+  };
+  const double ahead = lead(Turned(object, best, X_MS));
+  const double behind = lead(Turned(object, best, X_MS.inverse()));
+  if (ahead + behind <= 0.0) return std::nullopt;
+  const double share = std::clamp(0.5 * (behind - ahead) / (behind + ahead), -0.5, 0.5);
+  if (std::abs(share) < kCentred) return std::nullopt;
+  PoseHypothesis recentred =
+      Turned(object, best, perception::ShareOfTurn(X_MS, ModelOf(best.model).center_M, share));
+  if (lead(recentred) > 0.0) return std::nullopt;
+  FusePose(&recentred);
+  return recentred;
+}
+
 /// Is the pose of a verified object held by what was seen? Turned a little, or to where its shape
-/// is the same, it must fit worse in the views together. A turn that fits better takes its place;
-/// one that fits nearly as well is a hypothesis of its own, and the object is open again.
+/// is the same, it must fit worse in the views together. A turn that fits better takes its place,
+/// one that fits nearly as well moves it to where it is as far ahead on either side; what then
+/// still fits nearly as well is a hypothesis of its own, and the object is open again.
 void SceneUnderstanding::ExamineTurns(ObjectBelief* object) {
   const perception::RecognitionModel& model = ModelOf(object->Best()->model);
   const std::vector<Pose> turns = perception::RivalTurns(model, kRivalTurn_rad);
-  std::map<int, int> detection_in;  // by view
-  for (const world::Sighting& sighting : object->sightings) {
-    detection_in[sighting.view] = sighting.detection;
-  }
   for (int round = 0; round < kMaxTurnRounds; ++round) {
     PoseHypothesis& best = object->hypotheses.front();
+    if (std::optional<PoseHypothesis> refined = RefinedTogether(*object, best)) {
+      best = *std::move(refined);
+    }
     PoseHypothesis rival;
+    Pose X_MS{Pose::Identity()};
     double rival_margin = 0.0;  // how much of the lead it needs `best` lacks over it
     bool better = false;
-    for (const Pose& X_MS : turns) {
-      if (perception::LeavesItsRest(model, best.X_WM, X_MS, belief_.plane_W->normal_A)) continue;
-      PoseHypothesis turned;
-      turned.model = best.model;
-      turned.X_WM = best.X_WM * X_MS;
-      for (const world::ViewEvidence& e : best.evidence) {
-        turned.evidence.push_back(
-            Ask({e.view, detection_in.at(e.view)}, model, e.hypothesis.X_CM * X_MS));
-      }
+    for (const Pose& turn : turns) {
+      if (perception::LeavesItsRest(model, best.X_WM, turn, belief_.plane_W->normal_A)) continue;
+      PoseHypothesis turned = Turned(*object, best, turn);
       const double lead = fusion::Lead(config_.conclude, best, turned);
       const double margin = fusion::NeededLead(config_.conclude, best, turned) - lead;
       if (margin <= rival_margin) continue;
       rival_margin = margin;
       rival = std::move(turned);
+      X_MS = turn;
       better = lead < 0.0;
     }
     if (rival_margin <= 0.0) break;
     FusePose(&rival);
-    if (!better) {
+    if (better) {
+      best = std::move(rival);
+      continue;
+    }
+    std::optional<PoseHypothesis> recentred = Recentred(*object, best, X_MS);
+    if (!recentred || round + 1 == kMaxTurnRounds) {
       object->hypotheses.push_back(std::move(rival));
       break;
     }
-    best = std::move(rival);
+    best = *std::move(recentred);
   }
   fusion::Conclude(task_, config_.conclude, ClearViews(*object), object);
 }
 
-/// Asks every view that shows the object about every hypothesis that it was not asked about yet.
+/// Asks every view that shows the object about every hypothesis that it was not asked about
+/// yet.
 void SceneUnderstanding::CompleteEvidence(ObjectBelief* object) {
   for (PoseHypothesis& h : object->hypotheses) {
     if (h.struck) continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,13 @@ class SceneUnderstanding {
                  const Pose& X_WM);
   world::ViewEvidence Ask(const world::Sighting& sighting,
                           const perception::RecognitionModel& model, const Pose& X_CM);
+  world::PoseHypothesis Turned(const world::ObjectBelief& object, const world::PoseHypothesis& best,
+                               const Pose& X_MS);
+  std::optional<world::PoseHypothesis> RefinedTogether(const world::ObjectBelief& object,
+                                                       const world::PoseHypothesis& best);
+  std::optional<world::PoseHypothesis> Recentred(const world::ObjectBelief& object,
+                                                 const world::PoseHypothesis& best,
+                                                 const Pose& X_MS);
   void ExamineTurns(world::ObjectBelief* object);
   void CompleteEvidence(world::ObjectBelief* object);
   void DropConverged(world::ObjectBelief* object) const;

@@ -12,12 +12,13 @@
 #include "apps/stop_signal.h"
 #include "apps/story.h"
 #include "lib/common/error.h"
+#include "lib/transport/lcm_bus.h"
 
 namespace secondlook::apps {
 namespace {
 
 struct MonitorOptions {
-  std::string lcm_url{"udpm://239.255.76.67:7667?ttl=0&recv_buf_size=8388608"};
+  std::string lcm_url{transport::kDefaultLcmUrl};
   int port{8420};
 };
 
@@ -54,7 +55,8 @@ int Watch(const MonitorOptions& options) {
 void AddMonitor(CLI::App* app, int* status) {
   CLI::App* monitor = app->add_subcommand("monitor", "Shows a running mission in a browser");
   const auto options = std::make_shared<MonitorOptions>();  // outlives this function
-  monitor->add_option("--lcm-url", options->lcm_url, "Where LCM is heard");
+  monitor->add_option("--lcm-url", options->lcm_url, "LCM network to listen to")
+      ->capture_default_str();
   monitor->add_option("--port", options->port, "On 127.0.0.1; 0: any that is free")
       ->check(CLI::Range(0, 65535));
   monitor->callback([options, status] { *status = Watch(*options); });

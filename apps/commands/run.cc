@@ -1,12 +1,17 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "apps/commands/commands.h"
+#include "apps/device_health.h"
+#include "apps/executive.h"
 #include "apps/make_robot.h"
 #include "apps/mission.h"
 #include "apps/mission_message.h"
@@ -19,6 +24,9 @@
 #include "lib/common/error.h"
 #include "lib/common/files.h"
 #include "lib/common/parallel.h"
+#include "lib/hal/tap.h"
+#include "lib/transport/lcm_bus.h"
+#include "lib/transport/outbox.h"
 #include "lib/world/object_database.h"
 
 namespace secondlook::apps {
@@ -28,6 +36,7 @@ struct RunOptions {
   std::string config;
   std::vector<std::string> overrides;
   std::string report;
+  std::string lcm_url{transport::kDefaultLcmUrl};
   bool plan_only{};
 };
 
@@ -38,7 +47,7 @@ int StatusOf(Progress progress) {
     case Progress::kSettled:
       return kDone;
     case Progress::kStopped:
-      return 128 + StopSignal();
+      return StopSignal() != 0 ? 128 + StopSignal() : kUnsettled;  // by a command
     default:
       return kUnsettled;
   }
@@ -53,26 +62,49 @@ void PrintPlan(const std::optional<TakenLook>& plan) {
              plan->look.reason);
 }
 
+/// The bus; null for "none".
+std::unique_ptr<transport::LcmBus> OpenBus(const std::string& url) {
+  return url == "none" ? nullptr : std::make_unique<transport::LcmBus>(url);
+}
+
+/// Gives the mission the task that has come in, if one has. A wrong one changes nothing.
+void PassOnTask(Executive* executive, Mission* mission) {
+  const std::optional<world::Task> task = executive->TakeTask();
+  if (!task) return;
+  try {
+    mission->SetTask(*task);
+    spdlog::info("the task is another one from here on");
+  } catch (const ConfigError& error) {
+    executive->RejectTask(error.what());
+  }
+}
+
 int Run(const RunOptions& options) {
   CatchStopSignals();
   const RunConfig config = LoadRunConfig(options.config, options.overrides);
   if (!options.report.empty()) MakeWritableFolder(options.report);
+  const std::unique_ptr<transport::LcmBus> bus = OpenBus(options.lcm_url);
+  transport::Outbox outbox(Executive::kOutboxBytes);
+  std::vector<transport::Sink*> sinks;
+  if (bus && bus->unreachable().empty()) sinks.push_back(&outbox);
+  Story story;
+  if (!options.report.empty()) sinks.push_back(&story);
   const ThreadLimit threads(config.threads);
   const auto database = world::ObjectDatabase::Load(config.models);
   RequireKnownClasses(config.task, database);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
-  Story story;
-  std::vector<transport::Sink*> sinks;
-  if (!options.report.empty()) sinks.push_back(&story);
+  DeviceHealth health(ready.robot);
+  hal::Robot robot = hal::Tap(std::move(ready.robot), &health);
   Publisher publisher(sinks);
+  Executive executive({bus.get(), &outbox, &robot, &publisher, &health, {}});
   Mission mission(
       config.mission, config.task, database, ready.calibration, config.seed,
-      [] { return StopSignal() != 0; }, &publisher, &ready.robot);
-  const second_look::mission_t start = DescribeStart(config, database, ready.robot.clock->Now());
+      [&] { return executive.StopRequested(); }, &publisher, &robot);
+  const second_look::mission_t start = DescribeStart(config, database, robot.clock->Now());
   publisher.Mission(start);
   Progress progress = Progress::kMore;
   const auto finish = [&] {
-    publisher.Mission(DescribeEnd(start, mission.record(), progress, ready.robot.clock->Now()));
+    publisher.Mission(DescribeEnd(start, mission.record(), progress, robot.clock->Now()));
     PrintSummary(mission, ProcessorSeconds());
     if (options.report.empty()) return;
     WriteReport(config, mission, options.report);
@@ -82,9 +114,12 @@ int Run(const RunOptions& options) {
   try {
     if (options.plan_only) {
       PrintPlan(mission.Plan());
-      progress = StopSignal() != 0 ? Progress::kStopped : Progress::kSettled;
+      progress = executive.StopRequested() ? Progress::kStopped : Progress::kSettled;
     } else {
-      while (progress == Progress::kMore) progress = mission.Step();
+      while (progress == Progress::kMore) {
+        PassOnTask(&executive, &mission);
+        progress = mission.Step();
+      }
     }
   } catch (const DeviceError&) {
     progress = Progress::kFailed;
@@ -106,6 +141,8 @@ void AddRun(CLI::App* app, int* status) {
       ->take_all();
   run->add_option("--report", options->report,
                   "Folder for report.html, mission.json, config and pictures");
+  run->add_option("--lcm-url", options->lcm_url, "LCM network to speak on; 'none' for none")
+      ->capture_default_str();
   run->add_flag("--plan-only", options->plan_only, "Look once, say what would be done, don't move");
   run->callback([options, status] { *status = Run(*options); });
 }

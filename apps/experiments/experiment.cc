@@ -26,10 +26,15 @@ std::vector<Json> EarlierTrials(const std::string& name, const ExperimentOptions
   const Json earlier = Json::parse(ReadFile(options.json), nullptr, false);
   const bool fits = earlier.is_object() && earlier.value("name", "") == name &&
                     earlier.value("seed", std::uint64_t{0}) == options.seed &&
-                    earlier.contains("details") && earlier["details"].is_array();
+                    earlier.value("scene", "") == options.scene &&
+                    earlier.value("models", "") == options.models && earlier.contains("details") &&
+                    earlier["details"].is_array();
   if (!fits) {
-    Throw<ConfigError>("{}: is not the result of 'experiment {}' with seed {}; nothing to resume",
-                       options.json, name, options.seed);
+    Throw<ConfigError>(
+        "{}: is not the result of 'experiment {}' with seed {}, models '{}' and scene '{}'; "
+        "nothing "
+        "to resume",
+        options.json, name, options.seed, options.models, options.scene);
   }
   return earlier["details"].get<std::vector<Json>>();
 }
@@ -40,6 +45,8 @@ Json ResultOf(const std::string& name, const ExperimentOptions& options,
   result["name"] = name;
   result["trials"] = details.size();
   result["seed"] = options.seed;
+  result["scene"] = options.scene;
+  result["models"] = options.models;
   result["rows"] = Json::array();
   for (const Row& row : rows) {
     result["rows"].push_back({{"metric", row.metric},

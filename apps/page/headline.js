@@ -81,7 +81,7 @@ function drawStatus(live) {
         {head: 'Device', class: 'name', of: d => `${d.kind} '${d.name}'`},
         {head: 'Health', class: 'state', mark: d => d.health === 3 ? 'fault' : '', of: d => HEALTH[d.health] ?? '?'},
         {head: 'Rate [Hz]', class: 'number', of: d => fixed(d.rate, 1)},
-        {head: 'Lost', class: 'number', of: d => `${d.drops}`},
+        {head: 'Dropped', class: 'number', of: d => `${d.drops}`},
         {head: 'Last error', class: 'words', of: d => d.last_error},
       ], status.devices)),
       el('p', {class: 'note'}, `It sent ${status.sent} messages (${status.send_drops} lost) and received ${status.received}`,

@@ -22,8 +22,7 @@ using world::ViewEvidence;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// The support that a view gives to a hypothesis.
-double SupportOf(const ViewEvidence& evidence, const ConcludeConfig& config) {
-  const world::Hypothesis& h = evidence.hypothesis;
+double SupportOf(const world::Hypothesis& h, const ConcludeConfig& config) {
   return h.verification.accepted ? h.score : std::min(h.score, config.max_unaccepted);
 }
 
@@ -31,6 +30,21 @@ double LogOdds(double score) {
   constexpr double kTiny = 1e-12;
   const double bounded = std::clamp(score, kTiny, 1.0 - kTiny);
   return std::log(bounded / (1.0 - bounded));
+}
+
+/// The log-odds of a score, whether or not the hypothesis is accepted.
+double UncheckedLogOdds(const world::Hypothesis& h) {
+  constexpr double kFailedCheck = 2.0;  // what a failed check has taken off (perception::ScoreOf)
+  return LogOdds(h.score) + (h.verification.accepted ? 0.0 : kFailedCheck);
+}
+
+/// By how much a view prefers `a` to `b`. Where it saw little of them, that little is compared as
+/// it is: whether it was just enough to accept one of them is no preference.
+double LeadIn(const world::Hypothesis& a, const world::Hypothesis& b,
+              const ConcludeConfig& config) {
+  const int visible = std::min(a.verification.visible, b.verification.visible);
+  if (visible < config.min_objecting_px) return UncheckedLogOdds(a) - UncheckedLogOdds(b);
+  return LogOdds(SupportOf(a, config)) - LogOdds(SupportOf(b, config));
 }
 
 /// True when some view accepts the hypothesis with colours that agree well enough, and the views
@@ -50,6 +64,18 @@ bool Accepted(const PoseHypothesis& hypothesis, const ConcludeConfig& config) {
   return clearly && accepting >= config.min_accepting * all;
 }
 
+/// The share of the pixels that the views saw of it that is in views that accept it.
+double AcceptingShare(const PoseHypothesis& hypothesis) {
+  double accepting = 0.0;
+  double all = 0.0;
+  for (const ViewEvidence& e : hypothesis.evidence) {
+    const world::Verification& v = e.hypothesis.verification;
+    all += v.visible;
+    if (v.accepted) accepting += v.visible;
+  }
+  return all > 0.0 ? accepting / all : 0.0;
+}
+
 /// Why it is not accepted: the last objection of a view.
 std::string WhyNotAccepted(const PoseHypothesis& hypothesis, const ConcludeConfig& config) {
   for (auto e = hypothesis.evidence.rbegin(); e != hypothesis.evidence.rend(); ++e) {
@@ -66,11 +92,12 @@ void Weigh(const ConcludeConfig& config, PoseHypothesis* h) {
   double sum = 0.0;
   h->struck = false;
   h->reason.clear();
+  const bool held = AcceptingShare(*h) >= config.min_held;
   for (const ViewEvidence& e : h->evidence) {
     const world::Verification& v = e.hypothesis.verification;
     weight += v.visible;
-    sum += v.visible * LogOdds(SupportOf(e, config));
-    if (!h->struck && v.visible_fraction >= config.strike_visible_fraction &&
+    sum += v.visible * LogOdds(SupportOf(e.hypothesis, config));
+    if (!h->struck && !held && v.visible_fraction >= config.strike_visible_fraction &&
         e.hypothesis.score < config.strike_score) {
       h->struck = true;
       h->reason = fmt::format("view {} contradicts it: {}", e.view, v.reason);
@@ -105,7 +132,7 @@ world::MassFunction FuseViews(const ObjectBelief& object, const ConcludeConfig& 
     std::map<std::string, double> supports;
     for (const auto& [c, h] : best) {
       for (const ViewEvidence& e : h->evidence) {
-        if (e.view == view) supports[c] = SupportOf(e, config);
+        if (e.view == view) supports[c] = SupportOf(e.hypothesis, config);
       }
     }
     fused = Combine(fused, Discounted(FromSupports(supports), config.view_reliability));
@@ -129,8 +156,7 @@ double Lead(const ConcludeConfig& config, const PoseHypothesis& a, const PoseHyp
   double lead = 0.0;
   for (const ViewEvidence& ea : a.evidence) {
     for (const ViewEvidence& eb : b.evidence) {
-      if (ea.view == eb.view)
-        lead += LogOdds(SupportOf(ea, config)) - LogOdds(SupportOf(eb, config));
+      if (ea.view == eb.view) lead += LeadIn(ea.hypothesis, eb.hypothesis, config);
     }
   }
   return lead;

@@ -8,9 +8,12 @@ namespace secondlook::fusion {
 /// When the evidence of the views settles an object.
 struct ConcludeConfig {
   /// A view that could see at least this share of the model, and gives it a lower score than
-  /// `strike_score`, strikes the hypothesis.
+  /// `strike_score`, strikes the hypothesis …
   double strike_visible_fraction = 0.35;
   double strike_score = 0.1;
+  /// … unless of all the pixels that the views saw of it, so many are in views that accept it: one
+  /// view may be badly registered or lit.
+  double min_held = 0.9;
   /// A view that does not accept a hypothesis supports it by no more than this, whatever its score.
   double max_unaccepted = 0.3;
   /// A second pose of the same model keeps the object open unless the best is ahead of it by this
@@ -39,6 +42,7 @@ struct ConcludeConfig {
   void Serialize(A* a) {
     a->Visit("strike_visible_fraction", &strike_visible_fraction);
     a->Visit("strike_score", &strike_score);
+    a->Visit("min_held", &min_held);
     a->Visit("max_unaccepted", &max_unaccepted);
     a->Visit("min_lead", &min_lead);
     a->Visit("near_deg", &near_deg);
@@ -53,7 +57,8 @@ struct ConcludeConfig {
 };
 
 /// By how much the views prefer `a` to `b`: the difference of the log-odds of their scores, summed
-/// over the views that were asked about both. Positive: `a` is the better one.
+/// over the views that were asked about both. Positive: `a` is the better one. Where a view saw
+/// fewer than `min_objecting_px` of one, whether it accepts it or not counts for nothing.
 double Lead(const ConcludeConfig& config, const world::PoseHypothesis& a,
             const world::PoseHypothesis& b);
 

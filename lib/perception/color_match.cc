@@ -28,7 +28,7 @@ struct Tone {
   double blue;
 };
 
-Tone ToneOf(const Eigen::Vector3f& rgb) {
+Tone SharesOf(const Eigen::Vector3f& rgb) {
   const Eigen::Vector3f v = rgb.cwiseMax(0.0F);
   const float sum = v.sum() + 3.0F * kDark;
   return {std::log(0.3F * v[0] + 0.59F * v[1] + 0.11F * v[2] + kDark), (v[0] + kDark) / sum,
@@ -93,28 +93,53 @@ Lighting FitLighting(const std::vector<Tone>& measured, const std::vector<Tone>&
 
 }  // namespace
 
-double CompareColors(const std::vector<ColorPair>& pairs) {
-  if (pairs.size() < 20) return std::numeric_limits<double>::quiet_NaN();
+Eigen::Vector3f MeanColor(const cv::Mat& color, int x, int y) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  float count = 0.0F;
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, color.rows - 1); ++v) {
+    const auto* row = color.ptr<cv::Vec3b>(v);
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, color.cols - 1); ++u) {
+      sum += Eigen::Vector3f(row[u][0], row[u][1], row[u][2]);
+      count += 255.0F;
+    }
+  }
+  return sum / count;
+}
+
+Eigen::Vector3d ToneOf(const Eigen::Vector3f& rgb) {
+  const Tone tone = SharesOf(rgb);
+  return {tone.lightness / kLightness, tone.red / kShare, tone.blue / kShare};
+}
+
+std::vector<Eigen::Vector3d> ToneDifferences(const std::vector<ColorPair>& pairs) {
+  if (pairs.empty()) return {};
   std::vector<Tone> measured;
   std::vector<Tone> modelled;
   std::vector<double> red;
   std::vector<double> blue;
   for (const ColorPair& pair : pairs) {
-    measured.push_back(ToneOf(pair.measured));
-    modelled.push_back(ToneOf(pair.modelled));
+    measured.push_back(SharesOf(pair.measured));
+    modelled.push_back(SharesOf(pair.modelled));
     red.push_back(measured.back().red - modelled.back().red);
     blue.push_back(measured.back().blue - modelled.back().blue);
   }
   const Lighting light = FitLighting(measured, modelled, pairs);
   const double red_offset = std::clamp(Median(red), -kMostBalance, kMostBalance);
   const double blue_offset = std::clamp(Median(blue), -kMostBalance, kMostBalance);
-  double sum = 0.0;
+  std::vector<Eigen::Vector3d> differences;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const double l =
-        (measured[i].lightness - light.dot(RowOf(pairs[i], modelled[i].lightness))) / kLightness;
-    const double r = (red[i] - red_offset) / kShare;
-    const double b = (blue[i] - blue_offset) / kShare;
-    sum += std::exp(-0.5 * (l * l + r * r + b * b));
+    differences.emplace_back(
+        (measured[i].lightness - light.dot(RowOf(pairs[i], modelled[i].lightness))) / kLightness,
+        (red[i] - red_offset) / kShare, (blue[i] - blue_offset) / kShare);
+  }
+  return differences;
+}
+
+double CompareColors(const std::vector<ColorPair>& pairs) {
+  if (pairs.size() < 20) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0.0;
+  for (const Eigen::Vector3d& difference : ToneDifferences(pairs)) {
+    sum += std::exp(-0.5 * difference.squaredNorm());
   }
   return sum / static_cast<double>(pairs.size());
 }

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
 
 #include "lib/geometry/point_to_plane.h"
+#include "lib/perception/color_match.h"
 #include "lib/perception/contact.h"
 
 namespace secondlook::perception {
@@ -18,6 +21,10 @@ using geometry::PointPlanePair;
 
 constexpr double kSurfacePairs = 500.0;
 constexpr double kOutlinePixels = 8.0;  // how far an outline is drawn [px]
+/// What contact weighs, of all surface pairs: in one view, and in several, whose colours outweigh
+/// the surface.
+constexpr double kContactShare = 0.1;
+constexpr double kJointContactShare = 1.0;
 
 double Cauchy(double residual, double scale) {
   const double e = residual / scale;
@@ -116,6 +123,108 @@ void AddOutlinePairs(const View& view, int label, const DepthRasteriser& rendere
   for (std::size_t i = first; i < pairs->size(); ++i) (*pairs)[i].weight *= weight / sum;
 }
 
+/// The rendered colours of a window, averaged over 3 x 3 pixels like the measured ones.
+class RenderedColors {
+ public:
+  RenderedColors(const RecognitionModel& model, const DepthRasteriser& rendered)
+      : width_(rendered.window().width), means_(rendered.depth().size()) {
+    const int height = rendered.window().height;
+    std::vector<Eigen::Vector3f> colors(means_.size());
+    for (std::size_t i = 0; i < colors.size(); ++i) {
+      const int triangle = rendered.triangle()[i];
+      if (triangle < 0) continue;
+      colors[i] = geometry::ColorAt(model.mesh, triangle,
+                                    rendered.Weights(model.mesh, static_cast<int>(i)));
+    }
+    for (int y = 1; y + 1 < height; ++y) {
+      for (int x = 1; x + 1 < width_; ++x) {
+        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+        bool whole = true;
+        for (int dy = -1; dy <= 1; ++dy) {
+          for (int dx = -1; dx <= 1; ++dx) {
+            const std::size_t at = At(x + dx, y + dy);
+            whole = whole && rendered.triangle()[at] >= 0;
+            if (whole) sum += colors[at];
+          }
+        }
+        if (whole) means_[At(x, y)] = sum / 9.0F;
+      }
+    }
+  }
+
+  /// Empty where the model does not fill the 3 x 3 pixels.
+  const std::optional<Eigen::Vector3f>& Mean(int x, int y) const { return means_[At(x, y)]; }
+
+ private:
+  std::size_t At(int x, int y) const { return static_cast<std::size_t>(y * width_ + x); }
+
+  int width_;
+  std::vector<std::optional<Eigen::Vector3f>> means_;
+};
+
+/// Pairs along the gradient of the rendered tones, three for each pixel that is not hidden.
+void AddColorPairs(const RecognitionModel& model, const View& view, const DepthRasteriser& rendered,
+                   std::vector<PointPlanePair>* pairs) {
+  constexpr double kPixels = 2500.0;
+  constexpr double kToneNoise = 0.5;
+  if (view.color.empty()) return;
+  const PixelRect& window = rendered.window();
+  const RenderedColors colors(model, rendered);
+  const int step = std::max(1, static_cast<int>(std::sqrt(window.area() / kPixels)));
+  std::vector<ColorPair> seen;
+  std::vector<cv::Point> pixels;
+  for (int y = 2; y + 2 < window.height; y += step) {
+    for (int x = 2; x + 2 < window.width; x += step) {
+      const bool gradient = colors.Mean(x, y) && colors.Mean(x - 1, y) && colors.Mean(x + 1, y) &&
+                            colors.Mean(x, y - 1) && colors.Mean(x, y + 1);
+      if (!gradient) continue;
+      const int at = y * window.width + x;
+      const double z = rendered.depth()[static_cast<std::size_t>(at)];
+      const double measured = view.depth.at<float>(window.y + y, window.x + x);
+      if (std::abs(measured - z) > DepthTolerance(z)) continue;  // NaN passes: dark or shiny
+      seen.push_back({MeanColor(view.color, window.x + x, window.y + y), *colors.Mean(x, y),
+                      rendered.Normal(model.mesh, at)});
+      pixels.emplace_back(x, y);
+    }
+  }
+  if (seen.size() < 20) return;
+  const std::vector<Eigen::Vector3d> differences = ToneDifferences(seen);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const auto& [x, y] = std::pair(pixels[i].x, pixels[i].y);
+    const double z = rendered.depth()[static_cast<std::size_t>(y * window.width + x)];
+    const Eigen::Vector3d ray = view.camera.Ray(window.x + x, window.y + y);
+    const Eigen::Vector3d du =
+        0.5 * (ToneOf(*colors.Mean(x + 1, y)) - ToneOf(*colors.Mean(x - 1, y)));
+    const Eigen::Vector3d dv =
+        0.5 * (ToneOf(*colors.Mean(x, y + 1)) - ToneOf(*colors.Mean(x, y - 1)));
+    const double depth_noise = geometry::DepthSigma(z) + 0.002;
+    for (int tone = 0; tone < 3; ++tone) {
+      // By how much the tone at this pixel falls as the surface point moves in C [1/m].
+      const Eigen::Vector3d slope =
+          du[tone] * view.camera.fx / z * Eigen::Vector3d(1.0, 0.0, -ray.x()) +
+          dv[tone] * view.camera.fy / z * Eigen::Vector3d(0.0, 1.0, -ray.y());
+      const double steepness = slope.norm();
+      if (steepness < 1.0) continue;
+      const Eigen::Vector3d direction = slope / steepness;
+      const double difference = differences[i][tone];
+      const double share = steepness * depth_noise / kToneNoise;
+      pairs->push_back({ray * z, ray * z - direction * (difference / steepness), direction,
+                        share * share * Cauchy(difference, kToneNoise)});
+    }
+  }
+}
+
+/// All that holds the model at X_CM in a view; depth, outline and contact in the proportions of
+/// RefinePose().
+void AddPairs(const RecognitionModel& model, const Pose& X_CM, const View& view, int label,
+              const DepthRasteriser& rendered, double contact_share,
+              std::vector<PointPlanePair>* pairs) {
+  AddSurfacePairs(model, view, label, rendered, pairs);
+  const auto surface = static_cast<double>(pairs->size());
+  AddOutlinePairs(view, label, rendered, 0.3 * surface, pairs);
+  AddContact(model, X_CM, view.plane_C, contact_share * surface, pairs);
+}
+
 }  // namespace
 
 Pose RefinePose(const RecognitionModel& model, Pose X_CM, const View& view, int label, int rounds,
@@ -126,13 +235,36 @@ Pose RefinePose(const RecognitionModel& model, Pose X_CM, const View& view, int 
     if (window.empty()) return X_CM;
     rasteriser->Render(model.mesh, X_CM, view.camera, window);
     pairs.clear();
-    AddSurfacePairs(model, view, label, *rasteriser, &pairs);
-    const auto surface = static_cast<double>(pairs.size());
-    AddOutlinePairs(view, label, *rasteriser, 0.3 * surface, &pairs);
-    AddContact(model, X_CM, view.plane_C, 0.1 * surface, &pairs);
+    AddPairs(model, X_CM, view, label, *rasteriser, kContactShare, &pairs);
     X_CM = geometry::SolvePointToPlane(pairs).X * X_CM;
   }
   return X_CM;
+}
+
+Pose RefineTogether(const RecognitionModel& model, std::vector<PlacedModel> placed, int rounds,
+                    DepthRasteriser* rasteriser) {
+  Pose X_MS = Pose::Identity();
+  std::vector<PointPlanePair> pairs_C;
+  std::vector<PointPlanePair> pairs_M;
+  for (int round = 0; round < rounds; ++round) {
+    pairs_M.clear();
+    for (const PlacedModel& p : placed) {
+      const Pose X_CM = p.X_CM * X_MS;
+      const PixelRect window = geometry::ImageBounds(model.mesh, X_CM, p.view->camera, 6);
+      if (window.empty()) continue;
+      rasteriser->Render(model.mesh, X_CM, p.view->camera, window);
+      pairs_C.clear();
+      AddPairs(model, X_CM, *p.view, p.label, *rasteriser, kJointContactShare, &pairs_C);
+      AddColorPairs(model, *p.view, *rasteriser, &pairs_C);
+      const Pose X_MC = X_CM.inverse();
+      for (const PointPlanePair& pair : pairs_C) {
+        pairs_M.push_back(
+            {X_MC * pair.p_AP, X_MC * pair.p_AQ, X_MC.linear() * pair.normal_A, pair.weight});
+      }
+    }
+    X_MS = X_MS * geometry::SolvePointToPlane(pairs_M).X;
+  }
+  return X_MS;
 }
 
 }  // namespace secondlook::perception

@@ -70,6 +70,11 @@ std::vector<Pose> RivalTurns(const RecognitionModel& model, double angle) {
   return turns;
 }
 
+Pose ShareOfTurn(const Pose& X_MS, const Eigen::Vector3d& center_M, double share) {
+  const Eigen::AngleAxisd turn(X_MS.linear());
+  return TurnAbout({center_M, turn.axis()}, share * turn.angle());
+}
+
 bool LeavesItsRest(const RecognitionModel& model, const Pose& X_WM, const Pose& X_MS,
                    const Eigen::Vector3d& normal_W) {
   const double before = AngleFromRest(model, X_WM, normal_W);

@@ -14,6 +14,9 @@ namespace secondlook::perception {
 /// out: nothing tells them apart, and nothing needs to.
 std::vector<Pose> RivalTurns(const RecognitionModel& model, double angle);
 
+/// `share` of the turn X_MS about `center_M`; a negative share turns the other way.
+Pose ShareOfTurn(const Pose& X_MS, const Eigen::Vector3d& center_M, double share);
+
 /// True when `model` at X_WM rests on a support plane with this normal (W, unit, up) and turned by
 /// X_MS it would not: it would have to be held. Such a turn is no rival, however well it fits.
 bool LeavesItsRest(const RecognitionModel& model, const Pose& X_WM, const Pose& X_MS,

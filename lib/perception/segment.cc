@@ -37,8 +37,8 @@ struct Plane {
 /// How far from a plane a point at depth z may lie and still belong to it.
 double PlaneTolerance(double z) { return std::max(0.006, 2.5 * geometry::DepthSigma(z)); }
 
-bool LiesOn(const Plane& plane, const Vector3f& p) {
-  return std::abs(plane.normal.dot(p.cast<double>()) - plane.offset) < PlaneTolerance(p.z());
+bool LiesOn(const Plane& plane, const Vector3d& p) {
+  return std::abs(plane.normal.dot(p) - plane.offset) < PlaneTolerance(p.z());
 }
 
 /// The measured points that can belong to a table or to what stands on it, as indices.
@@ -73,13 +73,14 @@ void RefuseWrongUnit(const geometry::PointImage& cloud) {
 }
 
 /// Least squares over the points near the plane; the normal keeps to the side of `up`.
-Plane Refit(const std::vector<Vector3f>& points, const Plane& plane, const Vector3d& up) {
+template <class Point>
+Plane Refit(const std::vector<Point>& points, const Plane& plane, const Vector3d& up) {
   Vector3d mean = Vector3d::Zero();
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   double count = 0.0;
-  for (const Vector3f& point : points) {
-    if (!LiesOn(plane, point)) continue;
-    const Vector3d p = point.cast<double>();
+  for (const Point& point : points) {
+    const Vector3d p = point.template cast<double>();
+    if (!LiesOn(plane, p)) continue;
     mean += p;
     moments += p * p.transpose();
     count += 1.0;
@@ -123,8 +124,10 @@ std::optional<Plane> Ransac(const std::vector<Vector3f>& points, const Vector3d&
     if (normal.dot(up) < 0.0) normal = -normal;
     if (normal.dot(up) < min_cosine) continue;
     const Plane plane{normal, normal.dot(a)};
-    const int inliers = static_cast<int>(std::count_if(
-        points.begin(), points.end(), [&](const Vector3f& p) { return LiesOn(plane, p); }));
+    const int inliers =
+        static_cast<int>(std::count_if(points.begin(), points.end(), [&](const Vector3f& p) {
+          return LiesOn(plane, p.cast<double>());
+        }));
     if (inliers > best_inliers) {
       best_inliers = inliers;
       best = plane;
@@ -221,12 +224,13 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     std::optional<Plane> plane = Ransac(sample, level, max_tilt, &rng);
     if (!plane) break;
     for (int i = 0; i < 3; ++i) plane = Refit(sample, *plane, up);
-    std::erase_if(sample, [&](const Vector3f& p) { return LiesOn(*plane, p); });
+    std::erase_if(sample, [&](const Vector3f& p) { return LiesOn(*plane, p.cast<double>()); });
     // A point belongs to the first plane only: the edge of a table is no second, tilted table.
     std::vector<Vector3d> inliers;
     std::erase_if(left, [&](int i) {
-      if (!LiesOn(*plane, cloud.points_C[i])) return false;
-      inliers.push_back(cloud.points_C[i].cast<double>());
+      const Vector3d p = cloud.points_C[i].cast<double>();
+      if (!LiesOn(*plane, p)) return false;
+      inliers.push_back(p);
       return true;
     });
     // The best fit to a strip of wall is the wall.
@@ -234,6 +238,8 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     most_points = std::max(most_points, static_cast<int>(inliers.size()));
     if (static_cast<int>(inliers.size()) < config.min_plane_points) continue;
     std::vector<Vector3d> patch = LargestPatch(inliers, plane->normal);
+    // By itself: what else the plane cuts through has tilted it.
+    plane = Refit(patch, *plane, up);
     // Not the convex extent: a plane through the flanks of many things has that, but no surface.
     const double area =
         kThinning * kThinning * static_cast<double>(Thinned(patch, plane->normal).size());

@@ -178,7 +178,7 @@ Symmetry FindSymmetry(const geometry::Mesh& mesh, const SymmetryOptions& options
     const bool along =
         symmetry.axis && std::abs(symmetry.axis->direction.dot(axis.direction)) > std::cos(0.1);
     if (along) continue;
-    for (const int fold : {4, 3, 2}) {
+    for (const int fold : {8, 6, 5, 4, 3, 2}) {
       const Pose X_MS = TurnAbout(axis, 2.0 * kPi / fold);
       if (!same_shape(Compare(surface, probes, probe_colors, X_MS))) continue;
       for (int k = 1; k < fold; ++k) add(TurnAbout(axis, 2.0 * kPi * k / fold));

@@ -41,8 +41,9 @@ struct SymmetryOptions {
 Pose TurnAbout(const Axis& axis, double angle);
 
 /// Finds the rotations about lines through the centre of the surface that leave `mesh` unchanged:
-/// the principal axes and the axes of M, each tried for half, third, quarter and any turns. Drawn
-/// points are compared with the nearest points of the surface, so a mesh need not be clean.
+/// the principal axes and the axes of M, each tried for any turn and for one 2nd, 3rd, 4th, 5th,
+/// 6th and 8th of a whole turn. Drawn points are compared with the nearest points of the surface,
+/// so a mesh need not be clean.
 /// @pre !mesh.empty().
 Symmetry FindSymmetry(const geometry::Mesh& mesh, const SymmetryOptions& options = {});
 

@@ -20,19 +20,6 @@ struct Turned {
   double agreement;  // NaN sorted last, as -1
 };
 
-Eigen::Vector3f MeanColor(const cv::Mat& color, int x, int y) {
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  float count = 0.0F;
-  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, color.rows - 1); ++v) {
-    const auto* row = color.ptr<cv::Vec3b>(v);
-    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, color.cols - 1); ++u) {
-      sum += Eigen::Vector3f(row[u][0], row[u][1], row[u][2]);
-      count += 255.0F;
-    }
-  }
-  return sum / count;
-}
-
 }  // namespace
 
 double PointColorAgreement(const RecognitionModel& model, const Pose& X_CM, const View& view,

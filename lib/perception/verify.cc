@@ -101,20 +101,6 @@ std::vector<float> Smooth(const std::vector<float>& difference, const PixelRect&
   return mean;
 }
 
-/// The mean colour of the 3 x 3 pixels around (x, y), RGB in [0, 1].
-Eigen::Vector3f MeasuredColor(const cv::Mat& color, int x, int y) {
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  float count = 0.0F;
-  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, color.rows - 1); ++v) {
-    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, color.cols - 1); ++u) {
-      const auto& rgb = color.at<cv::Vec3b>(v, u);
-      sum += Eigen::Vector3f(rgb[0], rgb[1], rgb[2]);
-      count += 255.0F;
-    }
-  }
-  return sum / count;
-}
-
 /// Pairs for up to about 700 of the pixels that match or have no measurement (dark and shiny things
 /// return no depth but have a colour), on a regular grid.
 std::vector<ColorPair> PairColors(const RecognitionModel& model, const View& view,
@@ -145,7 +131,7 @@ std::vector<ColorPair> PairColors(const RecognitionModel& model, const View& vie
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) sum += color_at(at + dy * window.width + dx);
       }
-      pairs.push_back({MeasuredColor(view.color, window.x + x, window.y + y), sum / 9.0F,
+      pairs.push_back({MeanColor(view.color, window.x + x, window.y + y), sum / 9.0F,
                        rendered.Normal(model.mesh, at)});
     }
   }

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "lib/common/error.h"
+
 namespace secondlook::transport {
 
 /// An encoded message and the channel it is for.
@@ -25,6 +27,17 @@ std::vector<std::uint8_t> Encode(const T& body) {
 template <class T>
 Message Pack(const char* channel, const T& body) {
   return {channel, body.utime, Encode(body)};
+}
+
+/// The body of a message whose bytes were checked.
+/// @throws ProtocolError when it is no T.
+template <class T>
+T Decode(const Message& message) {
+  T body;
+  if (body.decode(message.bytes.data(), 0, static_cast<int>(message.bytes.size())) < 0) {
+    Throw<ProtocolError>("{}: not a {}", message.channel, T::getTypeName());
+  }
+  return body;
 }
 
 /// Takes what the mission tells: the LCM bus, a log, a report.

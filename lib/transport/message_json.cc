@@ -1,5 +1,6 @@
 #include "lib/transport/message_json.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <string>
@@ -46,10 +47,15 @@ std::string MendedUtf8(std::string text) {
 
 class Reader {
  public:
-  Reader(Bytes bytes, std::string_view type, const Schema& schema)
-      : bytes_(bytes), schema_(schema), type_(type) {}
+  /// `limits` null: anything goes that keeps to the schema.
+  Reader(Bytes bytes, std::string_view type, const Schema& schema, const Limits* limits)
+      : bytes_(bytes), schema_(schema), type_(type), limits_(limits) {}
 
   Json Read() {
+    if (limits_ != nullptr && bytes_.size() > limits_->bytes) {
+      Throw<ProtocolError>("{}: {} bytes long, at most {} are taken", type_, bytes_.size(),
+                           limits_->bytes);
+    }
     const std::uint64_t wanted = schema_.Fingerprint(type_);
     const std::uint64_t found = Unsigned(8);
     if (found != wanted) {
@@ -81,7 +87,11 @@ class Reader {
     return value;
   }
 
-  static Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+  Json Number(double value) const {
+    if (std::isfinite(value)) return value;
+    if (limits_ != nullptr) Throw<ProtocolError>("{}: '{}' is not finite", type_, field_);
+    return nullptr;
+  }
 
   Json ReadPrimitive(const std::string& type) {
     if (type == "boolean") return Unsigned(1) != 0;
@@ -100,7 +110,21 @@ class Reader {
     if (length < 1) Throw<ProtocolError>("{}: '{}' has length {}", type_, field_, length);
     const Bytes text = Take(length);
     if (text.back() != 0) Throw<ProtocolError>("{}: '{}' does not end with NUL", type_, field_);
-    return MendedUtf8(std::string(text.begin(), text.end() - 1));
+    const std::string given(text.begin(), text.end() - 1);
+    std::string mended = MendedUtf8(given);
+    if (limits_ != nullptr) RequirePlain(given, mended);
+    return mended;
+  }
+
+  void RequirePlain(const std::string& text, const std::string& mended) const {
+    if (std::ssize(text) > limits_->characters) {
+      Throw<ProtocolError>("{}: '{}' has {} characters, at most {} are taken", type_, field_,
+                           text.size(), limits_->characters);
+    }
+    const auto controls = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+    if (mended != text || std::any_of(text.begin(), text.end(), controls)) {
+      Throw<ProtocolError>("{}: '{}' is not UTF-8 or has control characters", type_, field_);
+    }
   }
 
   Json ReadStruct(const Struct& s) {
@@ -143,6 +167,10 @@ class Reader {
       Throw<ProtocolError>("{}: '{}' would have {} values, more than the {} bytes left can hold",
                            type_, field_, n, Remaining());
     }
+    if (limits_ != nullptr && n > limits_->values) {
+      Throw<ProtocolError>("{}: '{}' has {} values, at most {} are taken", type_, field_, n,
+                           limits_->values);
+    }
     if (type == "byte" && inner.empty()) return ToBase64(Take(n));
     Json json = Json::array();
     for (std::int64_t i = 0; i < n; ++i) json.push_back(ReadArray(type, inner));
@@ -152,6 +180,7 @@ class Reader {
   Bytes bytes_;
   const Schema& schema_;
   std::string type_;
+  const Limits* limits_;
   std::string field_{"fingerprint"};
   std::size_t at_{};
 };
@@ -160,11 +189,16 @@ class Reader {
 
 nlohmann::ordered_json ToJson(std::span<const std::uint8_t> bytes, std::string_view type,
                               const Schema& schema) {
-  return Reader(bytes, type, schema).Read();
+  return Reader(bytes, type, schema, nullptr).Read();
 }
 
 void Check(std::span<const std::uint8_t> bytes, std::string_view type, const Schema& schema) {
   (void)ToJson(bytes, type, schema);
+}
+
+void Check(std::span<const std::uint8_t> bytes, std::string_view type, const Limits& limits,
+           const Schema& schema) {
+  (void)Reader(bytes, type, schema, &limits).Read();
 }
 
 }  // namespace secondlook::transport

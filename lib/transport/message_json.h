@@ -23,4 +23,16 @@ nlohmann::ordered_json ToJson(std::span<const std::uint8_t> bytes, std::string_v
 void Check(std::span<const std::uint8_t> bytes, std::string_view type,
            const Schema& schema = Schema::Messages());
 
+/// How much a message from outside may hold.
+struct Limits {
+  std::size_t bytes = 100'000;      ///< In all.
+  std::int64_t values = 1'000;      ///< In one list.
+  std::int64_t characters = 1'000;  ///< In one text.
+};
+
+/// Checks what comes from outside: Throws as ToJson() does, and for a message that goes over
+/// `limits`, a number that is not finite, and a text that is not UTF-8 or has control characters.
+void Check(std::span<const std::uint8_t> bytes, std::string_view type, const Limits& limits,
+           const Schema& schema = Schema::Messages());
+
 }  // namespace secondlook::transport

@@ -7,7 +7,7 @@
 
 namespace secondlook::world {
 
-/// What may be spent on a mission. A value of 0 or less for seconds or metres means "no limit".
+/// What may be spent on a mission. 0 seconds or metres mean "no limit".
 struct Budget {
   int looks = 20;          ///< Views beyond the first.
   double seconds = 600.0;  ///< Robot time.
@@ -51,6 +51,15 @@ struct Task {
     for (const auto& [name, value] : wanted) check("'" + name + "'", value);
     if (budget.looks < 0) {
       Throw<ConfigError>("budget.looks = {}; it must not be negative", budget.looks);
+    }
+    // A comparison with NaN is false.
+    if (!(budget.seconds >= 0.0)) {
+      Throw<ConfigError>("budget.seconds = {}; it must not be negative; 0 means no limit",
+                         budget.seconds);
+    }
+    if (!(budget.metres >= 0.0)) {
+      Throw<ConfigError>("budget.metres = {}; it must not be negative; 0 means no limit",
+                         budget.metres);
     }
   }
 };

@@ -21,7 +21,8 @@ class BadInput : public ::testing::Test {
  protected:
   /// `run` with the configuration and `more`.
   ProgramResult Run(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"run", "--config", world_.config().string()};
+    std::vector<std::string> arguments{"run", "--config", world_.config().string(), "--lcm-url",
+                                       "none"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return RunProgram(arguments);
   }
@@ -133,6 +134,10 @@ TEST_F(BadInput, NamesTaskAndBudgetThatMakeNoSense) {
   Expect(Run({"--set", "task.wanted.block=0"}), 2,
          "the confidence for 'block' is 0; it must lie between 0 and 1");
   Expect(Run({"--set", "task.budget.looks=-1"}), 2, "budget.looks = -1; it must not be negative");
+  Expect(Run({"--set", "task.budget.seconds=-5"}), 2,
+         "budget.seconds = -5; it must not be negative; 0 means no limit");
+  Expect(Run({"--set", "task.budget.metres=-0.5"}), 2,
+         "budget.metres = -0.5; it must not be negative; 0 means no limit");
   Expect(Run({"--set", "task.budget.seconds=.nan"}), 2,
          "'task.budget.seconds' must be a finite number");
   Expect(Run({"--set", "task.wanted.unicorn=0.9"}), 2,
@@ -157,6 +162,12 @@ TEST_F(BadInput, NamesACameraThatDeliversNoDepthNothingOrIsLost) {
   Expect(Run({"--set", "robot.camera_fault=nothing"}), 3,
          "camera 'head': no frame in 3 tries of 1 s; check its cable and driver");
   Expect(Run({"--set", "robot.camera_fault=lost"}), 3, "camera 'head': the device is lost");
+}
+
+TEST_F(BadInput, NamesAnLcmUrlThatItCannotUse) {
+  const std::string config = world_.config().string();
+  Expect(RunProgram({"run", "--config", config, "--lcm-url", "tcpq://localhost"}), 2,
+         "LCM URL 'tcpq://localhost': it must begin with udpm:// or memq://");
 }
 
 TEST_F(BadInput, EndsWithStatusTwoForAWrongCommandLine) {

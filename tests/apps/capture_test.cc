@@ -67,6 +67,18 @@ TEST_F(Capturing, GivesUpOnACameraWhoseStampsLag) {
   EXPECT_THROWS(capturer_.Take(Seconds(1.0)), DeviceError, "check its clock and its time stamps");
 }
 
+TEST_F(Capturing, GivesUpOnACameraWhoseStampsLieInTheFuture) {
+  world_.frames = {FrameAt(3600.0, 1)};
+  EXPECT_THROWS(capturer_.Take(Seconds(1.0)), DeviceError, "ahead of the robot's clock");
+}
+
+TEST_F(Capturing, GivesUpOnABaseWhoseStampsDoNotCoverTheFrame) {
+  world_.state_lag = Seconds(5.0);
+  world_.now = Time(Seconds(10.0));
+  world_.frames = {FrameAt(10.06, 1)};
+  EXPECT_THROWS(capturer_.Take(Seconds(1.0)), DeviceError, "no pose for its frame 1");
+}
+
 TEST_F(Capturing, IsEmptyWhenNoFrameComesInTime) {
   EXPECT_FALSE(capturer_.Take(Seconds(0.7)).has_value());
   EXPECT_EQ(world_.grabs, 1);

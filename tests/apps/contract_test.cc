@@ -137,10 +137,10 @@ TEST(Contract, AStopSignalFinishesTheFilesAndEndsWithItsStatus) {
   const testing::SmallWorld world;
   for (const int signal : {SIGINT, SIGTERM}) {
     const std::string report = (world / fmt::format("report_{}", signal)).string();
-    const ProgramResult result =
-        RunProgram({"run", "--config", world.config().string(), "--report", report, "--set",
-                    "robot.camera_fault=nothing", "--set", "mission.looks.frame_tries=100000000"},
-                   {"look 1 (search)", signal});
+    const ProgramResult result = RunProgram(
+        {"run", "--config", world.config().string(), "--lcm-url", "none", "--report", report,
+         "--set", "robot.camera_fault=nothing", "--set", "mission.looks.frame_tries=100000000"},
+        {"look 1 (search)", signal});
     EXPECT_EQ(result.status, 128 + signal) << result.err;
     const json mission = json::parse(ReadFile(report + "/mission.json"));
     EXPECT_EQ(mission["end"], "stopped on request");
@@ -154,8 +154,8 @@ TEST(Contract, AStopSignalFinishesTheFilesAndEndsWithItsStatus) {
 TEST(Contract, PlanOnlyMovesNothing) {
   const testing::SmallWorld world;
   const std::string report = (world / "report").string();
-  const ProgramResult result =
-      RunProgram({"run", "--config", world.config().string(), "--plan-only", "--report", report});
+  const ProgramResult result = RunProgram({"run", "--config", world.config().string(), "--lcm-url",
+                                           "none", "--plan-only", "--report", report});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("next look: "));
   const json mission = json::parse(ReadFile(report + "/mission.json"));

@@ -69,6 +69,7 @@ TEST_F(Drive, SaysWhyTheBaseFailedAndLeavesTheHeadAlone) {
   const DriveOutcome outcome = Move();
   EXPECT_EQ(outcome.kind, Kind::kFailed);
   EXPECT_EQ(outcome.reason, "wheels: blocked after 0.4 m");
+  EXPECT_TRUE(outcome.base_failed);
   EXPECT_EQ(world_.head_starts, 0);
 }
 
@@ -78,6 +79,7 @@ TEST_F(Drive, SaysWhyTheHeadFailedAndCountsWhatWasDriven) {
   const DriveOutcome outcome = Move();
   EXPECT_EQ(outcome.kind, Kind::kFailed);
   EXPECT_EQ(outcome.reason, "neck: stalled at 0.1 rad");
+  EXPECT_FALSE(outcome.base_failed) << "so nothing is taken to stand in its way";
   EXPECT_NEAR(outcome.metres, 1.0, 1e-9);
 }
 
@@ -113,6 +115,21 @@ TEST_F(Drive, StopsTheHeadOnRequest) {
   EXPECT_EQ(outcome.kind, Kind::kStopped);
   EXPECT_EQ(outcome.reason, "neck: stopped on request");
   EXPECT_EQ(world_.head_status.phase, MotionPhase::kStopped);
+}
+
+TEST_F(Drive, StartsNothingOnceItIsAskedToStop) {
+  const DriveOutcome outcome = Move([] { return true; });
+  EXPECT_EQ(outcome.kind, Kind::kStopped);
+  EXPECT_EQ(world_.base_starts, 0);
+  EXPECT_EQ(world_.head_starts, 0);
+}
+
+TEST_F(Drive, KnowsItsOwnRequestWhenTheBaseWasStoppedForItAlready) {
+  world_.base_takes = Seconds(1.0);
+  world_.base_ends = {MotionPhase::kStopped, ""};
+  const DriveOutcome outcome = Move([&] { return world_.now >= Time(Seconds(1.0)); });
+  EXPECT_EQ(outcome.kind, Kind::kStopped);
+  EXPECT_EQ(outcome.reason, "wheels: stopped on request");
 }
 
 TEST_F(Drive, StopsEverythingWhenTheBaseIsLost) {

@@ -102,9 +102,12 @@ TEST_F(Trials, DoNotResumeWhatIsAnotherExperiment) {
   RunTrials("squares", options_, Square, Summary);
   options_.resume = true;
   EXPECT_THROWS(RunTrials("cubes", options_, Square, Summary), ConfigError,
-                "is not the result of 'experiment cubes' with seed 1; nothing to resume");
+                "is not the result of 'experiment cubes' with seed 1, models");
   options_.seed = 2;
   EXPECT_THROWS(RunTrials("squares", options_, Square, Summary), ConfigError, "with seed 2");
+  options_.seed = 1;
+  options_.scene = "another.yaml";
+  EXPECT_THROWS(RunTrials("squares", options_, Square, Summary), ConfigError, "'another.yaml'");
   WriteFile(options_.json, "{");
   EXPECT_THROWS(RunTrials("squares", options_, Square, Summary), ConfigError, "nothing to resume");
 }

@@ -7,12 +7,14 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
 #include "apps/run_config.h"
 #include "lib/common/files.h"
 #include "lib/common/yaml_reader.h"
+#include "lib/transport/channels.h"
 #include "sim/noise.h"
 #include "sim/scene.h"
 #include "tests/support/temporary_folder.h"
@@ -247,6 +249,22 @@ TEST(Docs, EveryExampleOfAConfigurationLoads) {
     ++examples;
   }
   EXPECT_GE(examples, 1);
+}
+
+TEST(Docs, EveryChannelStandsThereWithItsType) {
+  const std::string text = ReadFile("docs/channels.md");
+  for (const transport::ChannelType& c : transport::Channels()) {
+    EXPECT_TRUE(std::regex_search(
+        text, std::regex(fmt::format("\\n\\| `{}` \\| `{}` \\|", c.channel, c.type))))
+        << c.channel << " of type " << c.type;
+  }
+}
+
+TEST(Docs, TheExampleOfASubscriberIsTheFileThatRuns) {
+  const std::vector<std::string> blocks =
+      AllMatches(ReadFile("docs/channels.md"), "```python\n([^`]*)```");
+  ASSERT_EQ(blocks.size(), 1U);
+  EXPECT_EQ(blocks[0], ReadFile("tools/listen.py"));
 }
 
 TEST(Docs, TheKeysOfASceneStandThereWithTheirDefaults) {

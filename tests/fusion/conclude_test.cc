@@ -1,6 +1,7 @@
 #include "lib/fusion/conclude.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -120,6 +121,30 @@ TEST(Conclude, DoesNotStrikeAHypothesisThatIsHidden) {
       Object({Hypothesis("mug", 0, {View(0, 0.97), View(1, 0.05, 0.1)})}, 1);
   EXPECT_FALSE(object.hypotheses.front().struck);
   EXPECT_EQ(object.state, ObjectState::kVerified) << object.reason;
+}
+
+TEST(Conclude, DoesNotStrikeForOneViewWhatNineOthersHold) {
+  std::vector<world::ViewEvidence> views;
+  for (int i = 0; i < 9; ++i) views.push_back(View(i, 0.97));
+  views.push_back(View(9, 0.02));  // 9 of 10 pixels are in views that accept it
+  const ObjectBelief held = Object({Hypothesis("mug", 0, views)}, 3);
+  EXPECT_FALSE(held.hypotheses.front().struck);
+  EXPECT_EQ(held.state, ObjectState::kVerified) << held.reason;
+  views.pop_back();
+  views.back() = View(8, 0.02);  // 8 of 9
+  EXPECT_TRUE(Object({Hypothesis("mug", 0, views)}, 3).hypotheses.front().struck);
+}
+
+TEST(Lead, OfAPoseThatASmallViewJustAcceptsOverOneThatItJustDoesNotIsNone) {
+  const auto odds = [](double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); };
+  PoseHypothesis accepted = Hypothesis("mug", 0, {View(0, odds(5.0), 0.2)});  // 200 pixels
+  PoseHypothesis refused = Hypothesis("mug", 0, {View(0, odds(3.0), 0.2)});   // less 2, as 199 fail
+  refused.evidence[0].hypothesis.verification.accepted = false;
+  EXPECT_NEAR(Lead({}, accepted, refused), 0.0, 1e-9);
+  // In a view that sees enough, a refusal counts: as log-odds of at most those of 0.3.
+  accepted.evidence[0].hypothesis.verification.visible = 800;
+  refused.evidence[0].hypothesis.verification.visible = 800;
+  EXPECT_NEAR(Lead({}, accepted, refused), 5.0 - std::log(3.0 / 7.0), 1e-9);
 }
 
 TEST(Conclude, HoldsAWantedClassToItsOwnConfidence) {

@@ -27,8 +27,9 @@ const std::string kTwoLooks = "task.budget.looks=2";
 std::string ProgramJson(const TemporaryFolder& folder, const std::string& config,
                         const std::string& threads) {
   const std::string report = (folder / ("report_" + threads)).string();
-  const ProgramResult result = RunProgram({"run", "--config", config, "--report", report, "--set",
-                                           "threads=" + threads, "--set", kTwoLooks});
+  const ProgramResult result =
+      RunProgram({"run", "--config", config, "--lcm-url", "none", "--report", report, "--set",
+                  "threads=" + threads, "--set", kTwoLooks});
   EXPECT_THAT(result.status, AnyOf(0, 4)) << result.err;
   EXPECT_THAT(result.out, HasSubstr("the result lies in " + report));
   EXPECT_TRUE(std::filesystem::exists(report + "/view_0.png"));
@@ -64,7 +65,8 @@ TEST(StopSignal, InTheMidstOfAMissionFinishesTheFiles) {
   const TemporaryFolder folder;
   const std::string report = (folder / "report").string();
   const ProgramResult result =
-      RunProgram({"run", "--config", "config/sim.yaml", "--report", report}, {"look 2 (", SIGTERM});
+      RunProgram({"run", "--config", "config/sim.yaml", "--lcm-url", "none", "--report", report},
+                 {"look 2 (", SIGTERM});
   EXPECT_EQ(result.status, 143) << result.err;
   const auto mission = nlohmann::json::parse(ReadFile(report + "/mission.json"));
   EXPECT_EQ(mission["end"], "stopped on request");
@@ -76,8 +78,9 @@ TEST(StopSignal, InTheMidstOfAMissionFinishesTheFiles) {
 TEST(Budget, ThatIsSpentEndsWithStatusFour) {
   const TemporaryFolder folder;
   const std::string report = (folder / "report").string();
-  const ProgramResult result = RunProgram(
-      {"run", "--config", "config/sim.yaml", "--report", report, "--set", "task.budget.looks=0"});
+  const ProgramResult result =
+      RunProgram({"run", "--config", "config/sim.yaml", "--lcm-url", "none", "--report", report,
+                  "--set", "task.budget.looks=0"});
   EXPECT_EQ(result.status, 4) << result.err;
   const auto mission = nlohmann::json::parse(ReadFile(report + "/mission.json"));
   EXPECT_EQ(mission["end"], "the budget of 0 looks is spent");

@@ -46,6 +46,15 @@ TEST(RivalTurns, TurnsAPrintedCanAllTheWayRound) {
   EXPECT_GE(turns.size(), 4U + 23U);
 }
 
+TEST(ShareOfTurn, OfAHalfIsTheTurnWhenTakenTwiceAndKeepsTheCentre) {
+  const Eigen::Vector3d center_M(0.1, 0.2, 0.3);
+  const Pose turn = TurnAbout({center_M, Eigen::Vector3d(1.0, 2.0, -1.0).normalized()}, 0.4);
+  const Pose half = ShareOfTurn(turn, center_M, 0.5);
+  EXPECT_TRUE((half * half).isApprox(turn, 1e-9));
+  EXPECT_LT((half * center_M - center_M).norm(), 1e-9);
+  EXPECT_TRUE(ShareOfTurn(turn, center_M, -1.0).isApprox(turn.inverse(), 1e-9));
+}
+
 TEST(LeavesItsRest, IsTrueOfATiltAndFalseOfATurnOnTheSpot) {
   const RecognitionModel box = Model(geometry::MakeBox({0.1, 0.15, 0.2}, {0.5F, 0.5F, 0.5F}));
   const Pose X_WM = ToPose(Pose2{1.0, 2.0, 0.5});

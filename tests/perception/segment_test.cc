@@ -119,6 +119,18 @@ TEST(Segment, TakesTheTableAndNotAHigherCrateWhereTheFloorIsOut) {
   EXPECT_NEAR(result.plane_C->offset, -0.5, 0.005);
 }
 
+TEST(Segment, TakesTheFarTableAndNotTheNearerTopOfALowerCrate) {
+  SceneCloud scene;
+  // More points than of the table, and a plane that leans from it into the table's near half has
+  // more still.
+  for (int i = 0; i < 8; ++i) scene.Rectangle({0.5, -0.7, -0.56}, {0.4, 0, 0}, {0, 0.4, 0});
+  scene.Rectangle({1.2, -0.4, -0.5}, {0.8, 0, 0}, {0, 1.2, 0});
+  const Segmentation result = Segment(scene.cloud(), kUp, {}, 1.0);
+  ASSERT_TRUE(result.plane_C) << result.reason;
+  EXPECT_NEAR(result.plane_C->offset, -0.5, 0.005);
+  EXPECT_NEAR(result.plane_C->normal_A.dot(kUp), 1.0, 1e-4);
+}
+
 TEST(Segment, SaysWhyThereIsNoPlaneWhereThereIsOnlyAWall) {
   SceneCloud scene;
   scene.Rectangle({1.5, -1.0, -1.0}, {0, 2.0, 0}, {0, 0, 2.0});

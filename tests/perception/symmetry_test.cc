@@ -26,6 +26,28 @@ TEST(FindSymmetry, ASquarePrismHasQuarterTurnsToo) {
   EXPECT_EQ(FindSymmetry(geometry::MakeBox({0.1, 0.1, 0.2}, kRed)).motions.size(), 8U);
 }
 
+TEST(FindSymmetry, AStarOfEightFinsHasEighthTurns) {
+  // Four plates through one axis, 45 degrees apart, their upper half narrower: no flips.
+  geometry::Mesh star;
+  for (int k = 0; k < 4; ++k) {
+    for (const double width : {0.1, 0.06}) {
+      const geometry::Mesh plate = geometry::MakeBox({width, 0.002, 0.06}, kRed);
+      const Eigen::Matrix3f R = RotationFromRollPitchYaw(0, 0, k * kPi / 4).cast<float>();
+      const Eigen::Vector3f up(0.0F, 0.0F, width == 0.1 ? 0.03F : 0.09F);
+      const auto first = static_cast<int>(star.vertices.size());
+      for (const Eigen::Vector3f& v : plate.vertices) star.vertices.push_back(R * v + up);
+      for (const Eigen::Vector3i& t : plate.triangles) {
+        star.triangles.emplace_back(t.array() + first);
+        star.triangle_material.push_back(0);
+      }
+      star.materials = plate.materials;
+    }
+  }
+  const Symmetry symmetry = FindSymmetry(star);
+  EXPECT_FALSE(symmetry.axis.has_value());
+  EXPECT_EQ(symmetry.motions.size(), 8U);
+}
+
 TEST(FindSymmetry, ACylinderTurnsAboutItsAxisAndFlips) {
   const Symmetry symmetry = FindSymmetry(geometry::MakeCylinder(0.04, 0.12, 64, kRed));
   ASSERT_TRUE(symmetry.axis.has_value());

@@ -1,7 +1,8 @@
-// The simulated devices keep what the interfaces promise.
+// The simulated devices keep what the interfaces promise, tapped ones too.
 
 #include <gtest/gtest.h>
 
+#include "lib/hal/tap.h"
 #include "tests/hal/base_contract.h"
 #include "tests/hal/camera_contract.h"
 #include "tests/hal/clock_contract.h"
@@ -18,29 +19,48 @@ std::shared_ptr<sim::SimulatedRobot> Make(bool noisy) {
                          3);
 }
 
+/// A simulated robot, its camera as it was before anything was tapped.
+struct Simulated {
+  std::shared_ptr<sim::SimulatedRobot> owner;
+  sim::SimCamera* camera;
+  hal::Robot& robot;
+
+  explicit Simulated(std::shared_ptr<sim::SimulatedRobot> simulated)
+      : owner(std::move(simulated)),
+        camera(static_cast<sim::SimCamera*>(owner->robot.head_camera.get())),
+        robot(owner->robot) {}
+};
+
+Simulated MakeTapped() {
+  static hal::RobotListener nobody;
+  Simulated simulated(Make(true));
+  simulated.robot = hal::Tap(std::move(simulated.robot), &nobody);
+  return simulated;
+}
+
+const auto kClockRig = [](const Simulated& s) { return ClockRig{s.robot.clock.get(), s.owner}; };
+
 std::vector<ClockFactory> Clocks() {
-  return {{"Sim", [] {
-             const auto simulated = Make(true);
-             return ClockRig{simulated->robot.clock.get(), simulated};
-           }}};
+  return {{"Sim", [] { return kClockRig(Simulated(Make(true))); }},
+          {"Tapped", [] { return kClockRig(MakeTapped()); }}};
 }
 
 template <class Factory, class MakeRig>
-std::vector<Factory> CleanAndNoisy(MakeRig make_rig) {
-  return {{"SimClean", [make_rig] { return make_rig(Make(false)); }},
-          {"SimNoisy", [make_rig] { return make_rig(Make(true)); }}};
+std::vector<Factory> CleanNoisyAndTapped(MakeRig make_rig) {
+  return {{"SimClean", [make_rig] { return make_rig(Simulated(Make(false))); }},
+          {"SimNoisy", [make_rig] { return make_rig(Simulated(Make(true))); }},
+          {"Tapped", [make_rig] { return make_rig(MakeTapped()); }}};
 }
 
-const auto kCameraRig = [](const std::shared_ptr<sim::SimulatedRobot>& s) {
-  auto* camera = static_cast<sim::SimCamera*>(s->robot.head_camera.get());
-  const auto lose = [camera] { camera->SetFault(sim::CameraFault::kLost); };
-  return hal::CameraRig{s->robot.clock.get(), camera, lose, s};
+const auto kCameraRig = [](const Simulated& s) {
+  const auto lose = [camera = s.camera] { camera->SetFault(sim::CameraFault::kLost); };
+  return hal::CameraRig{s.robot.clock.get(), s.robot.head_camera.get(), lose, false, s.owner};
 };
-const auto kBaseRig = [](const std::shared_ptr<sim::SimulatedRobot>& s) {
-  return hal::BaseRig{s->robot.clock.get(), s->robot.base.get(), s};
+const auto kBaseRig = [](const Simulated& s) {
+  return hal::BaseRig{s.robot.clock.get(), s.robot.base.get(), s.owner};
 };
-const auto kPanTiltRig = [](const std::shared_ptr<sim::SimulatedRobot>& s) {
-  return hal::PanTiltRig{s->robot.clock.get(), s->robot.head.get(), s};
+const auto kPanTiltRig = [](const Simulated& s) {
+  return hal::PanTiltRig{s.robot.clock.get(), s.robot.head.get(), s.owner};
 };
 
 }  // namespace
@@ -50,11 +70,13 @@ INSTANTIATE_TEST_SUITE_P(Sim, ClockContract, ::testing::ValuesIn(Clocks()), kNam
 namespace hal {
 
 INSTANTIATE_TEST_SUITE_P(Sim, CameraContract,
-                         ::testing::ValuesIn(CleanAndNoisy<CameraFactory>(kCameraRig)), kName);
+                         ::testing::ValuesIn(CleanNoisyAndTapped<CameraFactory>(kCameraRig)),
+                         kName);
 INSTANTIATE_TEST_SUITE_P(Sim, BaseContract,
-                         ::testing::ValuesIn(CleanAndNoisy<BaseFactory>(kBaseRig)), kName);
+                         ::testing::ValuesIn(CleanNoisyAndTapped<BaseFactory>(kBaseRig)), kName);
 INSTANTIATE_TEST_SUITE_P(Sim, PanTiltContract,
-                         ::testing::ValuesIn(CleanAndNoisy<PanTiltFactory>(kPanTiltRig)), kName);
+                         ::testing::ValuesIn(CleanNoisyAndTapped<PanTiltFactory>(kPanTiltRig)),
+                         kName);
 
 }  // namespace hal
 }  // namespace secondlook

@@ -25,6 +25,7 @@ struct FakeWorld {
   Time base_started{};
   int base_starts{};
   int base_stops{};
+  Duration state_lag{};  ///< So old are the stamps of base and head.
 
   // The head turns at once to where it was told, `head_takes` after Start().
   hal::PanTiltAngles angles;
@@ -72,7 +73,9 @@ class FakeBase : public hal::Base {
  public:
   explicit FakeBase(FakeWorld* world) : world_(world) {}
   const hal::BaseInfo& info() const override { return info_; }
-  hal::BaseState State() override { return {world_->now, world_->X_WB, world_->X_WB, {}}; }
+  hal::BaseState State() override {
+    return {world_->now - world_->state_lag, world_->X_WB, world_->X_WB, {}};
+  }
   void Start(const hal::BasePath&) override {
     ++world_->base_starts;
     world_->base_started = world_->now;
@@ -98,7 +101,7 @@ class FakePanTilt : public hal::PanTilt {
  public:
   explicit FakePanTilt(FakeWorld* world) : world_(world) {}
   const hal::PanTiltInfo& info() const override { return info_; }
-  hal::PanTiltState State() override { return {world_->now, world_->angles}; }
+  hal::PanTiltState State() override { return {world_->now - world_->state_lag, world_->angles}; }
   void Start(const hal::PanTiltAngles& target) override {
     if (world_->head_lost_on_start) Throw<DeviceError>("pan-tilt 'neck': the device is lost");
     ++world_->head_starts;

@@ -140,5 +140,33 @@ TEST(MessageJson, SurvivesAnyDamage) {
   }
 }
 
+TEST(Check, RefusesFromOutsideWhatKeepsToTheSchemaButNotToReason) {
+  const Limits limits{200, 2, 10};
+  second_look::task_t task = MakeTask();
+  const auto refuses = [&](const std::string& why) {
+    EXPECT_NO_THROW(Check(Encode(task), "second_look.task_t")) << why;
+    EXPECT_THROWS(Check(Encode(task), "second_look.task_t", limits), ProtocolError, why);
+  };
+  refuses("'budget_metres' is not finite");
+  task.budget_metres = 60.0;
+  EXPECT_NO_THROW(Check(Encode(task), "second_look.task_t", limits));
+  task.wanted[0].confidence = std::numeric_limits<double>::infinity();
+  refuses("'confidence' is not finite");
+  task.wanted[0] = {"12345678901", 0.9};
+  refuses("'name' has 11 characters, at most 10 are taken");
+  task.wanted[0].name = "mug\n";
+  refuses("'name' is not UTF-8 or has control characters");
+  task.wanted[0].name = "m\xc3g";
+  refuses("'name' is not UTF-8 or has control characters");
+  task.wanted[0].name = "m\xc3\xbcg";
+  EXPECT_NO_THROW(Check(Encode(task), "second_look.task_t", limits));
+  task.wanted.resize(3);
+  task.num_wanted = 3;
+  refuses("'wanted' has 3 values, at most 2 are taken");
+  task.wanted.resize(20);
+  task.num_wanted = 20;
+  refuses("bytes long, at most 200 are taken");
+}
+
 }  // namespace
 }  // namespace secondlook::transport

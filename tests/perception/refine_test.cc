@@ -1,0 +1,70 @@
+#include "lib/perception/refine.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/perception/synthetic_view.h"
+
+namespace secondlook::perception {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// A can whose print alone tells its turn.
+RecognitionModel PrintedCan() {
+  world::ObjectModel can;
+  can.name = "can";
+  can.mesh = geometry::MakeCylinder(0.04, 0.11, 72, {1.0F, 1.0F, 1.0F});
+  for (const Eigen::Vector3f& v : can.mesh.vertices) {
+    const bool stripe = std::sin(3.0F * std::atan2(v.y(), v.x())) > 0.3F;
+    can.mesh.vertex_colors.push_back(stripe ? Eigen::Vector3f(0.8F, 0.15F, 0.1F)
+                                            : Eigen::Vector3f(0.9F, 0.9F, 0.85F));
+  }
+  return TrainModel(can);
+}
+
+class RefiningTogether : public ::testing::Test {
+ protected:
+  RefiningTogether()
+      : can_(PrintedCan()),
+        X_WM_(Upright(0.0, 0.0, 0.4)),
+        turn_(TurnAbout({can_.center_M, Eigen::Vector3d::UnitZ()}, 6.0 * kDegree)) {
+    X_WM_.translation().z() = 0.5 * 0.11;
+    for (const double azimuth : {0.3, 1.4}) {
+      scenes_.push_back(DrawView({{&can_, X_WM_}}, azimuth, true, &rng_));
+    }
+  }
+
+  /// How far the can is turned off [rad], by the answer to poses that are off by `turn_`.
+  double ErrorAfter(int rounds) {
+    std::vector<PlacedModel> placed;
+    for (const SyntheticView& scene : scenes_) {
+      placed.push_back({&scene.view, 0, scene.X_WC.inverse() * X_WM_ * turn_});
+    }
+    const Pose X_MS = RefineTogether(can_, placed, rounds, &rasteriser_);
+    return RotationDistance(Eigen::Matrix3d::Identity(), (turn_ * X_MS).linear());
+  }
+
+  Rng rng_{5};
+  RecognitionModel can_;
+  Pose X_WM_;
+  Pose turn_;
+  std::vector<SyntheticView> scenes_;
+  geometry::DepthRasteriser rasteriser_;
+};
+
+TEST_F(RefiningTogether, TurnsACanToWhereItsPrintIs) {
+  EXPECT_NEAR(ErrorAfter(0), 6.0 * kDegree, 1e-9);
+  EXPECT_LT(ErrorAfter(4), 1.0 * kDegree);
+}
+
+TEST_F(RefiningTogether, LeavesTheTurnOfACanAloneWithoutColour) {
+  for (SyntheticView& scene : scenes_) scene.view.color = cv::Mat();
+  EXPECT_NEAR(ErrorAfter(4), 6.0 * kDegree, 0.5 * kDegree);
+}
+
+}  // namespace
+}  // namespace secondlook::perception
