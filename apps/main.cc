@@ -25,6 +25,7 @@ int Run(int argc, char** argv) {
   AddCheck(&app, &status);
   AddExperiment(&app, &status);
   AddModel(&app, &status);
+  AddMonitor(&app, &status);
   AddRecognise(&app, &status);
   AddReplay(&app, &status);
   AddRun(&app, &status);

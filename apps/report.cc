@@ -8,19 +8,21 @@
 
 #include "apps/json_output.h"
 #include "apps/mission_json.h"
+#include "apps/page.h"
 #include "apps/view_picture.h"
 #include "lib/common/files.h"
 #include "lib/fusion/dempster_shafer.h"
 
 namespace secondlook::apps {
 
-void WriteReport(const RunConfig& config, const Mission& mission,
+void WriteReport(const RunConfig& config, const Mission& mission, const Story& story,
                  const std::filesystem::path& folder) {
   // A picture of an earlier mission would pass for one of this.
   for (int i = 0; std::filesystem::remove(folder / fmt::format("view_{}.png", i)); ++i) {
   }
   WriteJson(ToJson(mission.belief(), mission.record(), config.seed),
             (folder / "mission.json").string());
+  WriteFile(folder / "report.html", Page(story.All()));
   SaveRunConfig(config, folder / "config.yaml");
   for (int i = 0; i < static_cast<int>(mission.belief().views.size()); ++i) {
     cv::Mat bgr;

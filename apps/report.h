@@ -4,12 +4,14 @@
 
 #include "apps/mission.h"
 #include "apps/run_config.h"
+#include "apps/story.h"
 
 namespace secondlook::apps {
 
-/// Writes what a mission leaves behind into `folder`: mission.json, the effective config.yaml, and
-/// a picture of each view, view_<i>.png. @throws ConfigError when that cannot be written.
-void WriteReport(const RunConfig& config, const Mission& mission,
+/// Writes what a mission leaves behind into `folder`: report.html, which shows `story`,
+/// mission.json, the effective config.yaml, and a picture of each view, view_<i>.png.
+/// @throws ConfigError when that cannot be written.
+void WriteReport(const RunConfig& config, const Mission& mission, const Story& story,
                  const std::filesystem::path& folder);
 
 /// Prints a table of the objects and the costs of the mission to standard output.

@@ -19,6 +19,7 @@ enum ExitStatus {
 void AddCheck(CLI::App* app, int* status);
 void AddExperiment(CLI::App* app, int* status);
 void AddModel(CLI::App* app, int* status);
+void AddMonitor(CLI::App* app, int* status);
 void AddRecognise(CLI::App* app, int* status);
 void AddReplay(CLI::App* app, int* status);
 void AddRun(CLI::App* app, int* status);

@@ -17,6 +17,7 @@
 #include "apps/report.h"
 #include "apps/run_config.h"
 #include "apps/stop_signal.h"
+#include "apps/story.h"
 #include "apps/to_message.h"
 #include "lib/common/error.h"
 #include "lib/common/files.h"
@@ -87,7 +88,7 @@ class Replayed {
         playback_(recording),
         advance_(&playback_),
         robot_(playback_.MakeRobot()),
-        publisher_({&check_, &advance_}),
+        publisher_({&check_, &advance_, &story_}),
         mission_(
             config.mission, config.task, database, recording.robot.calibration, config.seed,
             [this, follow] { return StopAsked(follow); }, &publisher_, &robot_),
@@ -118,6 +119,7 @@ class Replayed {
 
   const Mission& mission() const { return mission_; }
   const DecisionCheck& check() const { return check_; }
+  const Story& story() const { return story_; }
 
   /// The exit status of a mission that went this way.
   int Status() const {
@@ -146,6 +148,7 @@ class Replayed {
   hal::Playback playback_;
   Advance advance_;
   hal::Robot robot_;
+  Story story_;
   Publisher publisher_;
   Mission mission_;
   second_look::mission_t start_;
@@ -180,7 +183,7 @@ int Replay(const ReplayOptions& options) {
     PrintSummary(replayed.mission(), static_cast<double>(std::clock()) / CLOCKS_PER_SEC);
     PrintVerdict(replayed.check(), options.follow);
     if (options.report.empty()) return;
-    WriteReport(config, replayed.mission(), options.report);
+    WriteReport(config, replayed.mission(), replayed.story(), options.report);
     fmt::print("the result lies in {}\n", options.report);
   };
   try {
@@ -201,7 +204,8 @@ void AddReplay(CLI::App* app, int* status) {
       app->add_subcommand("replay", "Runs a recorded mission again and compares its decisions");
   const auto options = std::make_shared<ReplayOptions>();  // outlives this function in the callback
   replay->add_option("--log", options->log, "Recording, as run --log leaves it")->required();
-  replay->add_option("--report", options->report, "Folder for mission.json, config and pictures");
+  replay->add_option("--report", options->report,
+                     "Folder for report.html, mission.json, config and pictures");
   replay->add_flag("--follow", options->follow,
                    "Go on along the recorded looks where the mission would take others");
   replay->callback([options, status] { *status = Replay(*options); });

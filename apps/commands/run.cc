@@ -1,4 +1,5 @@
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +21,7 @@
 #include "apps/report.h"
 #include "apps/run_config.h"
 #include "apps/stop_signal.h"
+#include "apps/story.h"
 #include "lib/common/error.h"
 #include "lib/common/files.h"
 #include "lib/common/parallel.h"
@@ -79,6 +81,8 @@ int Run(const RunOptions& options) {
   transport::Outbox outbox(Executive::kOutboxBytes);
   std::vector<transport::Sink*> sinks;
   if (bus && bus->unreachable().empty()) sinks.push_back(&outbox);
+  Story story;
+  if (!options.report.empty()) sinks.push_back(&story);
   const ThreadLimit threads(config.threads);
   const auto database = world::ObjectDatabase::Load(config.models);
   RequireKnownClasses(config.task, database);
@@ -106,7 +110,7 @@ int Run(const RunOptions& options) {
     PrintSummary(mission, ProcessorSeconds());
     if (log) fmt::print("{}\n", log->Close());
     if (options.report.empty()) return;
-    WriteReport(config, mission, options.report);
+    WriteReport(config, mission, story, options.report);
     fmt::print("the result lies in {}\n", options.report);
   };
   try {
@@ -137,7 +141,8 @@ void AddRun(CLI::App* app, int* status) {
   run->add_option("--set", options->overrides, "KEY=VALUE, over the configuration; may be repeated")
       ->expected(1)
       ->take_all();
-  run->add_option("--report", options->report, "Folder for mission.json, config and pictures");
+  run->add_option("--report", options->report,
+                  "Folder for report.html, mission.json, config and pictures");
   run->add_option("--log", options->log, "File to record the mission in, for replay");
   run->add_option("--log-split-mb", options->log_split_mb, "Begin FILE.01, … at so many MB")
       ->capture_default_str();

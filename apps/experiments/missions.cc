@@ -11,6 +11,7 @@
 #include "apps/experiments/random_scene.h"
 #include "apps/json_output.h"
 #include "apps/mission.h"
+#include "apps/mission_message.h"
 #include "apps/report.h"
 #include "apps/run_config.h"
 #include "sim/sim_robot.h"
@@ -61,10 +62,19 @@ Json RunTrial(const sim::Scene& scene, const ExperimentOptions& options,
               const std::filesystem::path& report) {
   const std::clock_t begin = std::clock();
   sim::SimulatedRobot simulated = sim::MakeSimulatedRobot(scene, {}, seed);
-  Publisher nobody;
+  Story story;
+  Publisher publisher(report.empty() ? std::vector<transport::Sink*>{}
+                                     : std::vector<transport::Sink*>{&story});
   Mission mission(
-      {}, {}, database, simulated.calibration, seed, [] { return false; }, &nobody,
+      {}, {}, database, simulated.calibration, seed, [] { return false; }, &publisher,
       &simulated.robot);
+  RunConfig config;
+  config.robot = sim::SimConfig{(report / "scene.yaml").string(), {}, "none"};
+  config.models = options.models;
+  config.seed = seed;
+  const second_look::mission_t start =
+      DescribeStart(config, database, simulated.robot.clock->Now());
+  publisher.Mission(start);
   Progress progress = Progress::kMore;
   for (int step = 0; step < kMaxSteps && progress == Progress::kMore; ++step) {
     progress = mission.Step();
@@ -83,11 +93,8 @@ Json RunTrial(const sim::Scene& scene, const ExperimentOptions& options,
   }
   if (!report.empty()) {
     sim::SaveScene(scene, report / "scene.yaml");
-    RunConfig config;
-    config.robot = sim::SimConfig{(report / "scene.yaml").string(), {}, "none"};
-    config.models = options.models;
-    config.seed = seed;
-    WriteReport(config, mission, report);
+    publisher.Mission(DescribeEnd(start, mission.record(), progress, simulated.robot.clock->Now()));
+    WriteReport(config, mission, story, report);
     WriteJson(trial, (report / "trial.json").string());
   }
   return trial;

@@ -120,6 +120,14 @@ TEST_F(BadInput, NamesAReportFolderThatCannotBeMade) {
   Expect(Run({"--report", report}), 2, "folder " + report + ": cannot be made: Not a directory");
 }
 
+TEST_F(BadInput, NamesAReportThatTheDiskHasNoRoomFor) {
+  const std::filesystem::path page = world_ / "report" / "report.html";
+  std::filesystem::create_directories(page.parent_path());
+  std::filesystem::create_symlink("/dev/full", page);
+  Expect(Run({"--plan-only", "--report", page.parent_path().string()}), 2,
+         "cannot be written: No space left on device");
+}
+
 TEST_F(BadInput, NamesTaskAndBudgetThatMakeNoSense) {
   Expect(Run({"--set", "task.confidence=1"}), 2,
          "the confidence for a class that is not wanted by name is 1; it must lie between 0 and 1");
