@@ -1,4 +1,6 @@
+#include <cstdint>
 #include <ctime>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -123,8 +125,8 @@ class Replayed {
     if (!check_.differences().empty()) return kOtherDecision;
     if (cut_short_) return kUnsettled;
     if (progress_ == Progress::kSettled) return kDone;
-    if (progress_ != Progress::kStopped) return kUnsettled;
-    return 128 + (StopSignal() != 0 ? StopSignal() : playback_.stop_signal());
+    const int signal = StopSignal() != 0 ? StopSignal() : playback_.stop_signal();
+    return progress_ == Progress::kStopped && signal != 0 ? 128 + signal : kUnsettled;
   }
 
  private:
