@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "apps/drive.h"
 #include "apps/make_robot.h"

@@ -1,5 +1,11 @@
 #include "lib/transport/log_sink.h"
 
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -73,6 +79,27 @@ TEST(LogSink, OnAFullDiskEndsTheRecordingAndSaysSo) {
   EXPECT_EQ(sink.failure(), "/dev/full: cannot be written: No space left on device");
   EXPECT_EQ(sink.state(), "ended: " + sink.failure());
   sink.Post({"C", 0, {3}});  // to nobody
+}
+
+TEST(LogSink, OnADiskThatTakesNothingEndsTheRecordingAndNeverWaits) {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(reader, 0);
+  auto sink = std::make_unique<LogSink>(pipe, kNoLimit);  // nobody reads: it takes 64 kB
+  const Message message{"A", 0, std::vector<std::uint8_t>(1'000'000)};
+  for (int i = 0; i < 70; ++i) sink->Post(message);
+  EXPECT_THAT(sink->failure(), HasSubstr("pipe: the disk is too slow: 65 MB wait to be written"));
+  std::thread drain([&] {
+    std::vector<char> bytes(100'000);
+    pollfd end{reader, POLLIN, 0};
+    while (poll(&end, 1, -1) == 1 && read(reader, bytes.data(), bytes.size()) > 0) {
+    }
+  });
+  sink.reset();  // closes the pipe
+  drain.join();
+  close(reader);
 }
 
 TEST(LogSink, ThatCannotBeWrittenIsAConfigErrorAtOnce) {
