@@ -485,6 +485,7 @@ void SceneUnderstanding::CompleteEvidence(ObjectBelief* object) {
     FusePose(&h);
   }
   DropConverged(object);
+  DropLeaning(object);
 }
 
 /// Drops hypotheses that the views' refinements have brought to where a better one is.
@@ -505,6 +506,25 @@ void SceneUnderstanding::DropConverged(ObjectBelief* object) const {
     }
   }
   object->hypotheses = std::move(kept);
+}
+
+/// Drops poses in which a thing would have to be held where the views cannot tell them from one in
+/// which it rests.
+void SceneUnderstanding::DropLeaning(ObjectBelief* object) const {
+  const auto rests = [&](const PoseHypothesis& h) {
+    return perception::IsAtRest(ModelOf(h.model), h.X_WM, belief_.plane_W->normal_A);
+  };
+  std::vector<PoseHypothesis> resting;
+  for (const PoseHypothesis& h : object->hypotheses) {
+    if (!h.struck && rests(h)) resting.push_back(h);
+  }
+  std::erase_if(object->hypotheses, [&](const PoseHypothesis& h) {
+    return !h.struck && !rests(h) &&
+           std::any_of(resting.begin(), resting.end(), [&](const PoseHypothesis& other) {
+             return other.model == h.model &&
+                    fusion::Lead(config_.conclude, h, other) < config_.conclude.min_lead;
+           });
+  });
 }
 
 /// The pose over all views: each counts by how well and how much of the model it shows.

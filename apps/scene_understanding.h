@@ -77,6 +77,7 @@ class SceneUnderstanding {
   void ExamineTurns(world::ObjectBelief* object);
   void CompleteEvidence(world::ObjectBelief* object);
   void DropConverged(world::ObjectBelief* object) const;
+  void DropLeaning(world::ObjectBelief* object) const;
   void FusePose(world::PoseHypothesis* hypothesis) const;
   int ClearViews(const world::ObjectBelief& object) const;
   void Conclude(world::ObjectBelief* object);

@@ -105,43 +105,61 @@ bool SameDirection(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Sym
   return false;
 }
 
+/// A direction that points down, and how high the centre is then [m].
+struct Rest {
+  Eigen::Vector3d down;
+  double height;
+};
+
+/// Rolls downhill by ever smaller steps, each in the best of `headings` directions.
+Rest RollDown(Rest rest, const std::vector<Eigen::Vector3f>& hull, const Eigen::Vector3d& center,
+              double first_step, int headings, int most_rounds) {
+  for (double step = first_step; step > 0.004; step *= 0.5) {
+    for (int round = 0; round < most_rounds; ++round) {
+      const Eigen::Vector3d side = rest.down.unitOrthogonal();
+      const Eigen::Vector3d other = rest.down.cross(side);
+      Rest best = rest;
+      for (int k = 0; k < headings; ++k) {
+        const double angle = 2.0 * std::numbers::pi * k / headings;
+        const Eigen::Vector3d down =
+            (rest.down + step * (std::cos(angle) * side + std::sin(angle) * other)).normalized();
+        const double height = CenterHeight(hull, center, down);
+        if (height < best.height) best = {down, height};
+      }
+      if (best.height >= rest.height) break;
+      rest = best;
+    }
+  }
+  return rest;
+}
+
+/// The lowest of those that the symmetry joins, lowest first.
+std::vector<Rest> Distinct(std::vector<Rest> rests, const Symmetry& symmetry) {
+  std::stable_sort(rests.begin(), rests.end(),
+                   [](const Rest& a, const Rest& b) { return a.height < b.height; });
+  std::vector<Rest> distinct;
+  for (const Rest& rest : rests) {
+    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Rest& other) {
+      return SameDirection(other.down, rest.down, symmetry);
+    });
+    if (!known) distinct.push_back(rest);
+  }
+  return distinct;
+}
+
 std::vector<Eigen::Vector3d> RestingDirections(const std::vector<Eigen::Vector3f>& hull,
                                                const Eigen::Vector3d& center,
                                                const Symmetry& symmetry) {
-  struct Rest {
-    Eigen::Vector3d down;
-    double height;
-  };
   std::vector<Rest> rests;
   for (const Eigen::Vector3d& start : SphereDirections(100)) {
-    // Rolls downhill by ever smaller steps.
-    Rest rest{start, CenterHeight(hull, center, start)};
-    for (double step = 0.2; step > 0.004; step *= 0.5) {
-      for (int round = 0; round < 6; ++round) {
-        const Eigen::Vector3d side = rest.down.unitOrthogonal();
-        const Eigen::Vector3d other = rest.down.cross(side);
-        Rest best = rest;
-        for (int k = 0; k < 8; ++k) {
-          const double angle = k * std::numbers::pi / 4.0;
-          const Eigen::Vector3d down =
-              (rest.down + step * (std::cos(angle) * side + std::sin(angle) * other)).normalized();
-          const double height = CenterHeight(hull, center, down);
-          if (height < best.height) best = {down, height};
-        }
-        if (best.height >= rest.height) break;
-        rest = best;
-      }
-    }
-    rests.push_back(rest);
+    rests.push_back(RollDown({start, CenterHeight(hull, center, start)}, hull, center, 0.2, 8, 6));
   }
-  std::stable_sort(rests.begin(), rests.end(),
-                   [](const Rest& a, const Rest& b) { return a.height < b.height; });
+  rests = Distinct(std::move(rests), symmetry);
+  // Where two edges make a valley, few headings lead along it, and what looked like a rest is none.
+  for (Rest& rest : rests) rest = RollDown(rest, hull, center, 0.05, 64, 40);
   std::vector<Eigen::Vector3d> directions;
-  for (const Rest& rest : rests) {
-    const bool known = std::any_of(
-        directions.begin(), directions.end(),
-        [&](const Eigen::Vector3d& d) { return SameDirection(d, rest.down, symmetry); });
-    if (!known) directions.push_back(rest.down);
+  for (const Rest& rest : Distinct(std::move(rests), symmetry)) {
+    directions.push_back(rest.down);
     if (directions.size() == kMaxResting) break;
   }
   return directions;

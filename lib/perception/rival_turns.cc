@@ -75,6 +75,10 @@ Pose ShareOfTurn(const Pose& X_MS, const Eigen::Vector3d& center_M, double share
   return TurnAbout({center_M, turn.axis()}, share * turn.angle());
 }
 
+bool IsAtRest(const RecognitionModel& model, const Pose& X_WM, const Eigen::Vector3d& normal_W) {
+  return AngleFromRest(model, X_WM, normal_W) < kRest_rad;
+}
+
 bool LeavesItsRest(const RecognitionModel& model, const Pose& X_WM, const Pose& X_MS,
                    const Eigen::Vector3d& normal_W) {
   const double before = AngleFromRest(model, X_WM, normal_W);

@@ -17,6 +17,10 @@ std::vector<Pose> RivalTurns(const RecognitionModel& model, double angle);
 /// `share` of the turn X_MS about `center_M`; a negative share turns the other way.
 Pose ShareOfTurn(const Pose& X_MS, const Eigen::Vector3d& center_M, double share);
 
+/// True when `model` at X_WM is about as it rests on a support plane with this normal (W, unit,
+/// up).
+bool IsAtRest(const RecognitionModel& model, const Pose& X_WM, const Eigen::Vector3d& normal_W);
+
 /// True when `model` at X_WM rests on a support plane with this normal (W, unit, up) and turned by
 /// X_MS it would not: it would have to be held. Such a turn is no rival, however well it fits.
 bool LeavesItsRest(const RecognitionModel& model, const Pose& X_WM, const Pose& X_MS,

@@ -55,6 +55,19 @@ TEST(ShareOfTurn, OfAHalfIsTheTurnWhenTakenTwiceAndKeepsTheCentre) {
   EXPECT_TRUE(ShareOfTurn(turn, center_M, -1.0).isApprox(turn.inverse(), 1e-9));
 }
 
+TEST(IsAtRest, OfABoxIsTrueOnAnySideAndFalseOnAnEdge) {
+  const RecognitionModel box = Model(geometry::MakeBox({0.1, 0.15, 0.2}, {0.5F, 0.5F, 0.5F}));
+  const auto rests_after = [&](double angle) {
+    const Pose X_WM =
+        ToPose(Pose2{1.0, 2.0, 0.5}) *
+        TurnAbout({Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX()}, angle * kDegree);
+    return IsAtRest(box, X_WM, Eigen::Vector3d::UnitZ());
+  };
+  EXPECT_TRUE(rests_after(0.0));
+  EXPECT_TRUE(rests_after(90.0));
+  EXPECT_FALSE(rests_after(30.0));
+}
+
 TEST(LeavesItsRest, IsTrueOfATiltAndFalseOfATurnOnTheSpot) {
   const RecognitionModel box = Model(geometry::MakeBox({0.1, 0.15, 0.2}, {0.5F, 0.5F, 0.5F}));
   const Pose X_WM = ToPose(Pose2{1.0, 2.0, 0.5});
