@@ -46,7 +46,8 @@ constexpr std::uint8_t kCutOff = 2;
 
 /// Which part of the way from `from` along `way`, in lengths of it, lies in the box from 0 to
 /// `size`; first > second: none.
-std::pair<double, double> Inside(const Vector3d& from, const Vector3d& way, const Vector3i& size) {
+inline std::pair<double, double> Inside(const Vector3d& from, const Vector3d& way,
+                                        const Vector3i& size) {
   double enter = 0.0;
   double leave = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -63,7 +64,7 @@ std::pair<double, double> Inside(const Vector3d& from, const Vector3d& way, cons
 }
 
 /// The voxel around `at`, which lies in the box but for rounding.
-Vector3i VoxelAround(const Vector3d& at, const Vector3i& size) {
+inline Vector3i VoxelAround(const Vector3d& at, const Vector3i& size) {
   return at.cwiseMax(0.0).cast<int>().cwiseMin(size - Vector3i::Ones());
 }
 
@@ -107,6 +108,8 @@ void MarkPassed(const Vector3d& from, const Vector3i& to, Marks* marks) {
   Fixed p_b = ToFixed(start[b]);
   Fixed in_a = begin[a];  // … in which voxel
   Fixed in_b = begin[b];
+  std::ptrdiff_t enters_a = in_a * stride_a;  // … and how far that lies from the layer's corner
+  std::ptrdiff_t enters_b = in_b * stride_b;
   Fixed next_a = ToFixed(start[a] + to_face * step[a]);  // where it leaves
   Fixed next_b = ToFixed(start[b] + to_face * step[b]);
   for (int i = 0; i <= faces; ++i) {
@@ -120,16 +123,20 @@ void MarkPassed(const Vector3d& from, const Vector3i& to, Marks* marks) {
     const Fixed to_a = std::abs((std::max(in_a, out_a) << kFraction) - p_a) * steep_b;
     const Fixed to_b = std::abs((std::max(in_b, out_b) << kFraction) - p_b) * steep_a;
     const Fixed a_first = (to_a - to_b) >> 63;  // all bits or none
-    const Fixed between_a = in_a + ((out_a - in_a) & a_first);
-    const Fixed between_b = out_b + ((in_b - out_b) & a_first);
-    layer[in_a * stride_a + in_b * stride_b] = 1;
-    layer[between_a * stride_a + between_b * stride_b] = 1;
-    layer[out_a * stride_a + out_b * stride_b] = 1;
+    const std::ptrdiff_t leaves_a = out_a * stride_a;
+    const std::ptrdiff_t leaves_b = out_b * stride_b;
+    const std::ptrdiff_t between_a = enters_a + ((leaves_a - enters_a) & a_first);
+    const std::ptrdiff_t between_b = leaves_b + ((enters_b - leaves_b) & a_first);
+    layer[enters_a + enters_b] = 1;
+    layer[between_a + between_b] = 1;
+    layer[leaves_a + leaves_b] = 1;
     layer += stride;
     p_a = next_a;
     p_b = next_b;
     in_a = out_a;
     in_b = out_b;
+    enters_a = leaves_a;
+    enters_b = leaves_b;
     next_a += step_a;
     next_b += step_b;
   }
@@ -232,7 +239,8 @@ int Apply(const Marks& marks, const Increments& increments, BrickGrid* grid) {
     Brick* brick = nullptr;
     std::optional<BrickUpdate> update;
     for (int row = 0; row < 64; ++row) {
-      const std::ptrdiff_t index = marks.IndexOf(Brick::kEdge * at + Vector3i(0, row & 7, row >> 3));
+      const std::ptrdiff_t index =
+          marks.IndexOf(Brick::kEdge * at + Vector3i(0, row & 7, row >> 3));
       std::uint64_t any;  // of the eight voxels of a row
       std::memcpy(&any, &marks.passed[index], sizeof any);
       if (any == 0) continue;
@@ -274,8 +282,8 @@ void Check(const cv::Mat& depth, const geometry::CameraModel& camera, const Pose
   const OccupancyModel& model = update.model;
   if (!(0.0 < model.min_probability && model.min_probability < 0.5 &&
         0.0 < model.miss_probability && model.miss_probability < 0.5 &&
-        0.5 < model.hit_probability && model.hit_probability < 1.0 &&
-        0.5 < model.max_probability && model.max_probability < 1.0)) {
+        0.5 < model.hit_probability && model.hit_probability < 1.0 && 0.5 < model.max_probability &&
+        model.max_probability < 1.0)) {
     Throw<InvalidArgument>(
         "voxel space: probabilities of a miss {} and hit {}, limits {} and {}; the first of each "
         "pair must lie in 0..0.5, the second in 0.5..1",

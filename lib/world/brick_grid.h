@@ -87,7 +87,8 @@ class BrickGrid {
   }
 
   Occupancy At(const Eigen::Vector3d& p_W) const;
-  /// The probability of the voxel by measurement, what stands there left aside; empty: no measurement.
+  /// The probability of the voxel by measurement, what stands there left aside; empty: no
+  /// measurement.
   std::optional<double> ProbabilityAt(const Eigen::Vector3d& p_W) const;
 
   /// The lowest brick and how many there are along each axis.
@@ -121,7 +122,8 @@ class BrickGrid {
   std::uint64_t revision() const { return revision_; }
   /// Begins a change: what is written from now on has a new revision.
   void BeginChange() { ++revision_; }
-  /// The brick, to be written; made when there is none yet. Whoever writes to it notes what changed.
+  /// The brick, to be written; made when there is none yet. Whoever writes to it notes what
+  /// changed.
   Brick* Touch(int directory_index);
   void NoteValues(Brick* brick) const { brick->revision = revision_; }
   void NoteStates(Brick* brick) const { brick->revision = brick->state_revision = revision_; }

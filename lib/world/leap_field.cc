@@ -84,7 +84,8 @@ template <class Part>
 BrickMask MaskOf(const Brick* brick, Part part) {
   static const Brick kUnknownBrick{};
   BrickMask mask;
-  for (int z = 0; z < Brick::kEdge; ++z) mask[z] = part(brick == nullptr ? kUnknownBrick : *brick, z);
+  for (int z = 0; z < Brick::kEdge; ++z)
+    mask[z] = part(brick == nullptr ? kUnknownBrick : *brick, z);
   return mask;
 }
 
@@ -95,8 +96,8 @@ std::uint64_t Clear(const Brick& brick, int z) { return ~brick.Occupied(z); }
 }  // namespace
 
 int LeapField::Refresh(const BrickGrid& grid) {
-  const bool anew = first_ != grid.first_brick() || count_ != grid.brick_count() ||
-                    grid.revision() < revision_;
+  const bool anew =
+      first_ != grid.first_brick() || count_ != grid.brick_count() || grid.revision() < revision_;
   if (anew) {
     first_ = grid.first_brick();
     count_ = grid.brick_count();

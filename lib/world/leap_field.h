@@ -17,10 +17,10 @@ enum class Leap {
 };
 
 /// How far a ray may leap: for every voxel of a grid its state and the cube around it in which
-/// nothing ends a leap. Kept beside the grid and brought up to date brick by brick: a change reaches
-/// no farther than the bricks around it. In a region of whole bricks that agree the cube is measured
-/// in bricks, elsewhere in voxels, up to kMaxReach.
-/// Threading: At() from any number of threads.
+/// nothing ends a leap. Kept beside the grid and brought up to date brick by brick: a change
+/// reaches no farther than the bricks around it. In a region of whole bricks that agree the cube is
+/// measured in bricks, elsewhere in voxels, up to kMaxReach. Threading: At() from any number of
+/// threads.
 class LeapField {
  public:
   /// What ends a leap is looked for less far away than this, in voxels.
@@ -36,17 +36,18 @@ class LeapField {
     int reach{};        ///< No voxel nearer than this ends the leap (Chebyshev distance), …
     int bits{};         ///< … or no brick, when it is Brick::kBits and not 0.
   };
-  /// What lies out of the grid ends no leap. @pre `voxel`, counted from the grid's first, lies in it.
+  /// What lies out of the grid ends no leap. @pre `voxel`, counted from the grid's first, lies in
+  /// it.
   template <Leap leap>
   Cube At(const Eigen::Vector3i& voxel) const {
-    const Cell& cell = cells_[((voxel.z() >> 3) * count_.y() + (voxel.y() >> 3)) * count_.x() +
-                              (voxel.x() >> 3)];
+    const Cell& cell =
+        cells_[((voxel.z() >> 3) * count_.y() + (voxel.y() >> 3)) * count_.x() + (voxel.x() >> 3)];
     const int bricks = leap == Leap::kToOther ? cell.to_other : cell.to_occupied;
     if (bricks > 1) return {cell.state, bricks, Brick::kBits};
     const std::uint8_t code = voxels_[cell.slot][Brick::IndexOf(voxel)];
-    const Occupancy state = code >> 4 == 0        ? Occupancy::kOccupied
+    const Occupancy state = code >> 4 == 0           ? Occupancy::kOccupied
                             : (code & kUnknown) != 0 ? Occupancy::kUnknown
-                                                  : Occupancy::kFree;
+                                                     : Occupancy::kFree;
     return {state, leap == Leap::kToOther ? (code >> 1 & 7) + 1 : code >> 4, 0};
   }
 

@@ -24,8 +24,8 @@ octomap::OcTree OccupiedOctree(const BrickGrid& grid, const Eigen::AlignedBox3d&
 /// BrickGrid may be or than 2^30 voxels, or the tree is empty.
 BrickGrid FromOctree(const octomap::OcTree& tree);
 
-/// Writes the grid as an OctoMap file, all or nothing: `.ot` with all probabilities, `.bt` with free
-/// and occupied alone. @throws ConfigError for another suffix or when it cannot be written.
+/// Writes the grid as an OctoMap file, all or nothing: `.ot` with all probabilities, `.bt` with
+/// free and occupied alone. @throws ConfigError for another suffix or when it cannot be written.
 void SaveMap(const BrickGrid& grid, const std::filesystem::path& file);
 
 /// Reads a file that SaveMap() or OctoMap has written.

@@ -28,7 +28,8 @@ class Caster {
         size_(grid.brick_count() * Brick::kEdge),
         from_(p_WA / grid.voxel() - first_.cast<double>()) {}
 
-  /// Follows the ray `way` from `begin` on, up to `end`, in lengths of it; `unknown` was met before.
+  /// Follows the ray `way` from `begin` on, up to `end`, in lengths of it; `unknown` was met
+  /// before.
   RayEnd Follow(const Vector3d& way, double begin, double end, double unknown) const {
     RayEnd result;
     result.at = end;
@@ -102,9 +103,11 @@ class Caster {
       inverse_low[axis] = Inverse(beam.low[axis]);
       inverse_high[axis] = Inverse(beam.high[axis]);
       // Some ray may be in the grid's slab between these two.
-      if (from_[axis] < 0.0) t = std::max(t, beam.high[axis] > 0.0 ? -from_[axis] * inverse_high[axis] : kNever);
+      if (from_[axis] < 0.0)
+        t = std::max(t, beam.high[axis] > 0.0 ? -from_[axis] * inverse_high[axis] : kNever);
       if (from_[axis] > size_[axis]) {
-        t = std::max(t, beam.low[axis] < 0.0 ? (size_[axis] - from_[axis]) * inverse_low[axis] : kNever);
+        t = std::max(
+            t, beam.low[axis] < 0.0 ? (size_[axis] - from_[axis]) * inverse_low[axis] : kNever);
       }
       if (beam.high[axis] < 0.0) leave = std::min(leave, -from_[axis] * inverse_high[axis]);
       if (beam.low[axis] > 0.0) {
@@ -221,8 +224,8 @@ class FanCaster {
     const Vector3d corner = Direction(u, v);
     const Vector3d zero = Vector3d::Zero();
     const auto together = caster_.FollowBeam({corner + across.cwiseMin(zero) + down.cwiseMin(zero),
-                                          corner + across.cwiseMax(zero) + down.cwiseMax(zero)},
-                                         begin, end, unknown);
+                                              corner + across.cwiseMax(zero) + down.cwiseMax(zero)},
+                                             begin, end, unknown);
     if (together.done) {
       for (int row = v; row < end_v; ++row) {
         for (int column = u; column < end_u; ++column) {

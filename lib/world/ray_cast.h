@@ -13,8 +13,8 @@
 
 namespace secondlook::world {
 
-/// The part of the straight line from A to B that lies in the box, in shares of its length: from the
-/// first to the second; none when the first is not smaller.
+/// The part of the straight line from A to B that lies in the box, in shares of its length: from
+/// the first to the second; none when the first is not smaller.
 std::pair<double, double> ShareInside(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p_A,
                                       const Eigen::Vector3d& p_B);
 
@@ -32,9 +32,9 @@ struct RayEnd {
   double unknown{};  ///< How much of it up to there is unknown, when asked for; same unit.
 };
 
-/// Rays are followed by leaps from one empty cube to the next (Amanatides and Woo 1987 where the cube
-/// is a voxel). What lies out of the grid is passed and not counted as unknown. A ray that touches
-/// an edge of a voxel may or may not count as entering it.
+/// Rays are followed by leaps from one empty cube to the next (Amanatides and Woo 1987 where the
+/// cube is a voxel). What lies out of the grid is passed and not counted as unknown. A ray that
+/// touches an edge of a voxel may or may not count as entering it.
 
 /// Follows the straight line from A to B, the voxel around A included. Its length is the unit.
 /// @param leaps Refreshed after the grid's last change.

@@ -18,9 +18,7 @@ using Eigen::Vector3d;
 constexpr geometry::CameraModel kCamera{64, 48, 60.0, 60.0, 31.5, 23.5};
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-AlignedBox3d Cube(double half) {
-  return {Vector3d::Constant(-half), Vector3d::Constant(half)};
-}
+AlignedBox3d Cube(double half) { return {Vector3d::Constant(-half), Vector3d::Constant(half)}; }
 
 cv::Mat Wall(float z) { return {kCamera.height, kCamera.width, CV_32FC1, cv::Scalar(z)}; }
 

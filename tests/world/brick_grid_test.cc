@@ -61,8 +61,8 @@ TEST(BrickGrid, ForgetsABoxByTheCentresOfItsVoxels) {
   Rng rng(3);
   for (int i = 0; i < 5000; ++i) {
     const Vector3d p(rng.Uniform(-0.1, 0.2), rng.Uniform(0, 0.2), rng.Uniform(0.5, 0.8));
-    EXPECT_EQ(grid.At(p), box.contains(grid.CenterOf(grid.KeyOf(p))) ? Occupancy::kUnknown
-                                                                    : Occupancy::kFree);
+    EXPECT_EQ(grid.At(p),
+              box.contains(grid.CenterOf(grid.KeyOf(p))) ? Occupancy::kUnknown : Occupancy::kFree);
   }
 }
 

@@ -47,8 +47,7 @@ TEST(OctoMapExchange, ForCollisionsOnlyWhatIsOccupiedInTheBoxCounts) {
   grid.Fill(grid.box_W(), -1.0F);
   grid.SetPoints({{0.01, 0.01, 0.01}, {0.01, 0.01, 0.41}}, 2.0F);
   grid.SetStanding({grid.KeyOf({0.05, 0.05, 0.05})}, true);
-  const octomap::OcTree tree =
-      OccupiedOctree(grid, {Vector3d(-1, -1, 0.0), Vector3d(1, 1, 0.1)});
+  const octomap::OcTree tree = OccupiedOctree(grid, {Vector3d(-1, -1, 0.0), Vector3d(1, 1, 0.1)});
   EXPECT_EQ(tree.getNumLeafNodes(), 2U);
   EXPECT_NE(tree.search(0.05, 0.05, 0.05), nullptr);
   EXPECT_EQ(tree.search(0.01, 0.01, 0.41), nullptr);
@@ -91,10 +90,11 @@ TEST(OctoMapExchange, RefusesFilesThatAreCutOffOrGarbled) {
     const std::string whole = ReadFile(folder / name);
     const std::size_t data = whole.find("\ndata\n") + 6;
     for (const double share : {0.0, 0.3, 0.999}) {
-      WriteFile(folder / ("cut_" + name),
-                whole.substr(0, data + static_cast<std::size_t>(
-                                           share * static_cast<double>(whole.size() - data)) +
-                                    1));
+      WriteFile(
+          folder / ("cut_" + name),
+          whole.substr(
+              0, data + static_cast<std::size_t>(share * static_cast<double>(whole.size() - data)) +
+                     1));
       EXPECT_THROWS(LoadMap(folder / ("cut_" + name), 0.02), ConfigError, "is damaged");
     }
     // Nothing but nodes with eight children each: a tree without end.

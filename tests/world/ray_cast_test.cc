@@ -139,10 +139,10 @@ TEST(CastRay, MeasuresTheUnknownUpToItsEnd) {
   EXPECT_EQ(end.voxel, VoxelKey(15, 0, 0));
   EXPECT_NEAR(end.at, 0.75, 1e-9);
   EXPECT_NEAR(end.unknown, 0.35, 1e-9);
-  EXPECT_EQ(CastRay(grid, leaps, {-0.15, 0.005, 0.005}, {0.4, 0.005, 0.005},
-                    RayStop::kOccupiedOrUnknown)
-                .voxel,
-            VoxelKey(0, 0, 0));
+  EXPECT_EQ(
+      CastRay(grid, leaps, {-0.15, 0.005, 0.005}, {0.4, 0.005, 0.005}, RayStop::kOccupiedOrUnknown)
+          .voxel,
+      VoxelKey(0, 0, 0));
 }
 
 TEST(CastRay, OfNoLengthAsksTheVoxelAroundIt) {
