@@ -40,8 +40,6 @@ constexpr double kMinSupport = 0.15;
 constexpr std::size_t kMaxHypotheses = 4;
 /// A belief below this is none.
 constexpr double kNegligible = 0.02;
-/// The map is told so far around and above the table.
-constexpr double kToldMargin_m = 0.5;
 /// So many looks at hidden space that never got there are enough.
 constexpr int kMaxVain = 3;
 
@@ -403,11 +401,7 @@ void Mission::TellView(const Capture& capture, const std::string& reason) {
   publisher_->View(capture, robot_->head_camera->info().name, belief(), reason);
   if (!reason.empty()) return;
   publisher_->Belief(belief(), capture.frame.time);
-  Eigen::AlignedBox3d box_W;
-  for (const Vector3d& corner : belief().plane_W->corners_A) box_W.extend(corner);
-  box_W.min() -= Vector3d(kToldMargin_m, kToldMargin_m, box_W.max().z());
-  box_W.max() += Vector3d::Constant(kToldMargin_m);
-  publisher_->Map(scene_.space(), box_W, capture.frame.time);
+  publisher_->Map(scene_.space(), capture.frame.time);
 }
 
 void Mission::TellMotion(int phase, const std::string& reason, double metres) {

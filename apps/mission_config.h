@@ -25,7 +25,7 @@ struct UnderstandingConfig {
   perception::RecogniseConfig recognise;
   fusion::ConcludeConfig conclude;
   world::VoxelSpaceConfig voxel_space;
-  int depth_stride = 4;            ///< Every so many pixels of a row and column enter the voxels.
+  int depth_stride = 2;            ///< Every so many pixels of a row and column enter the voxels.
   double floor_clearance_m = 0.3;  ///< Support planes are higher above the floor than this.
   double footprint_cell_m = 0.01;  ///< Of the footprints by which views are matched.
   double footprint_overlap = 0.3;  ///< From which two footprints are one thing.

@@ -1,21 +1,22 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <map>
 #include <vector>
 
-#include "lib/world/voxel_space.h"
+#include "lib/world/brick_grid.h"
 
 #include "second_look/occupancy_block_t.hpp"
 
 namespace secondlook::apps {
 
-/// Finds which blocks of 8 x 8 x 8 voxels have changed since the last call.
+/// Finds which bricks of a map have other states than at the last call.
 class OccupancyChanges {
  public:
-  /// The blocks in `box_W` that are not as they were, ordered by index.
-  std::vector<second_look::occupancy_block_t> Since(const world::VoxelSpace& space,
-                                                    const Eigen::AlignedBox3d& box_W);
+  /// The bricks of `grid` in which any voxel is not as it was told, ordered by index. The grid may
+  /// be another one than last time, with the same voxels.
+  std::vector<second_look::occupancy_block_t> Since(const world::BrickGrid& grid);
 
  private:
   using Index = std::array<std::int32_t, 3>;
@@ -24,6 +25,8 @@ class OccupancyChanges {
     std::array<std::uint8_t, 64> occupied{};
     bool operator==(const Cells&) const = default;
   };
+
+  static Cells CellsOf(const world::Brick& brick);
 
   std::map<Index, Cells> told_;
 };

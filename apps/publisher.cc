@@ -99,13 +99,13 @@ void Publisher::Belief(const world::SceneBelief& belief, Time time) {
                &second_look::objects_t::num_objects);
 }
 
-void Publisher::Map(const world::VoxelSpace& space, const Eigen::AlignedBox3d& box_W, Time time) {
-  if (Silent()) return;
+void Publisher::Map(const world::VoxelSpace& space, Time time) {
+  if (Silent() || space.workspace() == nullptr) return;
   second_look::occupancy_t map{};
   map.utime = ToUtime(time);
   map.step = step_;
   map.voxel_m = space.config().voxel_m;
-  map.blocks = occupancy_.Since(space, box_W);
+  map.blocks = occupancy_.Since(*space.workspace());
   PostInPieces(channel::kOccupancy, std::move(map), &second_look::occupancy_t::blocks,
                &second_look::occupancy_t::num_blocks);
 }

@@ -12,6 +12,7 @@
 #include "lib/world/look.h"
 #include "lib/world/scene_belief.h"
 #include "lib/world/task.h"
+#include "lib/world/voxel_space.h"
 
 #include "second_look/mission_t.hpp"
 
@@ -54,8 +55,8 @@ class Publisher {
             const world::SceneBelief& belief, const std::string& reason);
   /// The support plane and the objects.
   void Belief(const world::SceneBelief& belief, Time time);
-  /// What changed in the map, within `box_W`.
-  void Map(const world::VoxelSpace& space, const Eigen::AlignedBox3d& box_W, Time time);
+  /// What changed in the workspace of the map; nothing when it has none.
+  void Map(const world::VoxelSpace& space, Time time);
   void Candidates(const std::vector<world::Look>& looks, Time time);
   /// The look that is taken now, and where it sends the base.
   void Look(const world::Look& look, Time time);

@@ -125,7 +125,7 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
     Conclude(&object);
   }
   MergeDuplicates();
-  AddToMap(frame, X_WC);
+  AddToMap();
   return "";
 }
 
@@ -572,17 +572,29 @@ void SceneUnderstanding::Conclude(ObjectBelief* object) {
   reference_.AddModel(ModelOf(best.model).mesh, best.X_WM, kModelSigma_m);
 }
 
-void SceneUnderstanding::AddToMap(const hal::RgbdFrame& frame, const Pose& X_WC) {
-  space_.Insert(frame.depth, belief_.views.back().camera, X_WC, config_.depth_stride);
-  // A verified object is known on its far side and inside as well.
+void SceneUnderstanding::AddToMap() {
+  const auto insert = [&](const world::Observation& view) {
+    space_.Insert(view.frame.depth, view.camera, view.X_WC, config_.depth_stride);
+  };
+  const auto& corners_W = belief_.plane_W->corners_A;
+  const world::BrickGrid* workspace = space_.workspace();
+  const bool covered = workspace != nullptr &&
+                       std::all_of(corners_W.begin(), corners_W.end(),
+                                   [&](const Vector3d& p) { return workspace->Contains(p); });
+  if (covered) {
+    insert(belief_.views.back());
+  } else {  // the table turned out to be larger: all over again, with room for more
+    space_ = world::VoxelSpace(config_.voxel_space,
+                               world::WorkspaceAbove(*belief_.plane_W, config_.voxel_space));
+    std::for_each(belief_.views.begin(), belief_.views.end(), insert);
+  }
   for (const ObjectBelief& object : belief_.objects) {
-    if (object.state != ObjectState::kVerified) continue;
-    const PoseHypothesis& best = *object.Best();
-    std::vector<Vector3d> surface_W;
-    for (const perception::ModelPoint& p : ModelOf(best.model).points) {
-      surface_W.push_back(best.X_WM * p.point.cast<double>());
+    if (object.state == ObjectState::kVerified) {
+      const PoseHypothesis& best = *object.Best();
+      space_.Place(object.id, ModelOf(best.model).mesh, best.X_WM);
+    } else {
+      space_.TakeAway(object.id);
     }
-    space_.MarkOccupied(surface_W);
   }
 }
 

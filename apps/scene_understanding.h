@@ -81,7 +81,7 @@ class SceneUnderstanding {
   void FusePose(world::PoseHypothesis* hypothesis) const;
   int ClearViews(const world::ObjectBelief& object) const;
   void Conclude(world::ObjectBelief* object);
-  void AddToMap(const hal::RgbdFrame& frame, const Pose& X_WC);
+  void AddToMap();
   const perception::RecognitionModel& ModelOf(const std::string& name) const;
 
   UnderstandingConfig config_;

@@ -85,22 +85,31 @@ std::vector<BoxRay> SurvivingRays(const world::VoxelSpace& space,
   around_W.min().head<2>().array() -= config.box_margin_m;
   around_W.max().array() += config.box_margin_m;
 
-  std::vector<BoxRay> rays;
   const Eigen::Vector3d p_WC = X_WC.translation();
   const PixelRange range = Projection(box_W, camera, X_WC);
+  const Eigen::Vector2i size = (range.last - range.first + Eigen::Vector2i::Ones()).cwiseMax(0);
+  world::RayFan fan{camera, X_WC, range.first, size, {}};
+  std::vector<BoxRay> rays;
+  std::vector<std::size_t> pixels;  // of the fan, one a ray
   for (int v = range.first.y(); v <= range.last.y(); ++v) {
     for (int u = range.first.x(); u <= range.last.x(); ++u) {
       const Eigen::Vector3d direction_W = X_WC.linear() * camera.Ray(u, v);
+      fan.depth.push_back(0.0);
       if (!Entry(box_W, p_WC, direction_W)) continue;
-      const double entry = Entry(around_W, p_WC, direction_W).value_or(0.0);
-      const world::Passage passage = space.Cast(p_WC, p_WC + entry * direction_W);
-      const bool through_unknown = !passage.blocked && passage.unknown > config.unknown_m;
-      const double chance = passage.blocked ? 0.0 : through_unknown ? config.unknown_survival : 1.0;
-      rays.push_back({direction_W, chance, passage.blocked});
-      score->blocked += passage.blocked ? 1.0 : 0.0;
-      score->through_unknown += through_unknown ? 1.0 : 0.0;
-      score->surviving += chance;
+      fan.depth.back() = Entry(around_W, p_WC, direction_W).value_or(0.0);
+      pixels.push_back(fan.depth.size() - 1);
+      rays.push_back({direction_W, 1.0, false});
     }
+  }
+  const std::vector<world::Passage> passages = space.Cast(fan);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const world::Passage& passage = passages[pixels[i]];
+    const bool through_unknown = !passage.blocked && passage.unknown > config.unknown_m;
+    rays[i].stopped = passage.blocked;
+    rays[i].chance = passage.blocked ? 0.0 : through_unknown ? config.unknown_survival : 1.0;
+    score->blocked += passage.blocked ? 1.0 : 0.0;
+    score->through_unknown += through_unknown ? 1.0 : 0.0;
+    score->surviving += rays[i].chance;
   }
   score->box_rays = static_cast<int>(rays.size());
   if (rays.empty()) return rays;

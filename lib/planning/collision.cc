@@ -7,6 +7,7 @@
 #include <octomap/OcTree.h>
 
 #include "lib/common/error.h"
+#include "lib/world/octomap_exchange.h"
 
 namespace secondlook::planning {
 namespace {
@@ -63,10 +64,13 @@ CollisionChecker::CollisionChecker(const world::VoxelSpace& space,
                                             std::nullopt,
                                             {}});
   shapes_->footprint.computeLocalAABB();
-  if (space.octree().size() > 0) {
-    // FCL wants a shared_ptr; this one owns nothing, as the caller keeps the map alive.
-    shapes_->map.emplace(
-        std::shared_ptr<const octomap::OcTree>(std::shared_ptr<void>(), &space.octree()));
+  const world::BrickGrid& grid = space.surroundings();
+  Eigen::AlignedBox3d band_W = grid.box_W();
+  band_W.min().z() = config.min_height_m;
+  band_W.max().z() = base.height;
+  auto octree = std::make_shared<octomap::OcTree>(world::OccupiedOctree(grid, band_W));
+  if (octree->size() > 0) {
+    shapes_->map.emplace(std::shared_ptr<const octomap::OcTree>(std::move(octree)));
     shapes_->map->computeLocalAABB();
   }
   for (const world::SupportPlane& support_W : supports_W) {

@@ -18,12 +18,12 @@ struct Contact {
 };
 
 /// Tests whether the base would touch anything if it stood somewhere (FCL): an upright cylinder of
-/// SafeRadius() from min_height_m to the base's height against the octree and against the solid
-/// below every support surface, grown by support_margin_m.
-/// Threading: Touches() from any number of threads.
+/// SafeRadius() from min_height_m to the base's height against the occupied voxels and against the
+/// solid below every support surface, grown by support_margin_m. Threading: Touches() from any
+/// number of threads.
 class CollisionChecker {
  public:
-  /// @param space Must outlive this and not change meanwhile.
+  /// @param space Its surroundings as they are now.
   /// @throws ConfigError when `config` is not valid.
   CollisionChecker(const world::VoxelSpace& space,
                    const std::vector<world::SupportPlane>& supports_W, const hal::BaseInfo& base,

@@ -97,20 +97,22 @@ CostMap::CostMap(const world::VoxelSpace& space, const std::vector<world::Suppor
   const Eigen::AlignedBox3d band_W(
       Eigen::Vector3d(origin_W_.x(), origin_W_.y(), -config_.min_height_m),
       Eigen::Vector3d(end_W.x(), end_W.y(), base.height));
-  space.Visit(band_W, [&](const world::Voxel& voxel) {
-    const double half = 0.5 * voxel.size;
-    const bool blocks = voxel.probability >= 0.5 &&
-                        voxel.center_W.z() + half > config_.min_height_m &&
-                        voxel.center_W.z() - half < base.height;
-    // A hair inside, so that a voxel which ends on a cell's edge does not count for the next.
-    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(half * (1.0 - 1e-6));
-    const Cell low = CellOf(voxel.center_W.head<2>() - reach).cwiseMax(0);
-    const Cell high = CellOf(voxel.center_W.head<2>() + reach).cwiseMin(size_ - 1);
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        seen_[Index({x, y})] = 1;
-        if (blocks) occupied_[Index({x, y})] = 1;
-      }
+  const world::BrickGrid& grid = space.surroundings();
+  grid.VisitBricks(band_W, [&](const Eigen::Vector3i& at, const world::Brick& brick) {
+    // The brick's columns that hold anything in the band: bit x + 8 y, as in a word of the brick.
+    std::uint64_t seen = 0;
+    std::uint64_t blocked = 0;
+    for (int z = 0; z < world::Brick::kEdge; ++z) {
+      const double bottom = (world::Brick::kEdge * at.z() + z) * grid.voxel();
+      const double top = bottom + grid.voxel();
+      if (top > band_W.min().z() && bottom < band_W.max().z()) seen |= ~brick.Unknown(z);
+      if (top > config_.min_height_m && bottom < base.height) blocked |= brick.Occupied(z);
+    }
+    for (int column = 0; column < 64; ++column) {
+      if ((seen >> column & 1) == 0) continue;
+      const Eigen::Vector2i key =
+          world::Brick::kEdge * at.head<2>() + Eigen::Vector2i(column & 7, column >> 3);
+      MarkColumn(key.cast<double>() * grid.voxel(), grid.voxel(), (blocked >> column & 1) != 0);
     }
   });
 
@@ -129,6 +131,20 @@ CostMap::CostMap(const world::VoxelSpace& space, const std::vector<world::Suppor
     }
   }
   ComputeClearance();
+}
+
+/// Enters the square above the floor with the lowest corner `p_W` and `edge` [m].
+void CostMap::MarkColumn(const Eigen::Vector2d& p_W, double edge, bool blocked) {
+  // A hair inside, so that a voxel which ends on a cell's edge does not count for the next.
+  const Eigen::Vector2d hair = Eigen::Vector2d::Constant(0.5e-6 * edge);
+  const Cell low = CellOf(p_W + hair).cwiseMax(0);
+  const Cell high = CellOf(p_W + Eigen::Vector2d::Constant(edge) - hair).cwiseMin(size_ - 1);
+  for (int y = low.y(); y <= high.y(); ++y) {
+    for (int x = low.x(); x <= high.x(); ++x) {
+      seen_[Index({x, y})] = 1;
+      if (blocked) occupied_[Index({x, y})] = 1;
+    }
+  }
 }
 
 void CostMap::Block(const Eigen::Vector2d& p_W, double radius) {

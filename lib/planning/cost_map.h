@@ -86,6 +86,7 @@ class CostMap {
     return static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(size_) +
            static_cast<std::size_t>(cell.x());
   }
+  void MarkColumn(const Eigen::Vector2d& p_W, double edge, bool blocked);
   void ComputeClearance();
 
   CostMapConfig config_;

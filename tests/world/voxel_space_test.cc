@@ -1,13 +1,10 @@
 #include "lib/world/voxel_space.h"
 
-#include <filesystem>
 #include <limits>
 
 #include <gtest/gtest.h>
-#include <octomap/OcTree.h>
 
 #include "lib/common/error.h"
-#include "lib/common/files.h"
 #include "lib/common/rng.h"
 #include "tests/support/expect_throws.h"
 
@@ -34,9 +31,9 @@ TEST(VoxelSpace, KnowsNothingAtFirst) {
   const Passage passage = space.Cast({0, 0, 0}, {0, 0.3, 0.4});
   EXPECT_FALSE(passage.blocked);
   EXPECT_NEAR(passage.unknown, 0.5, 1e-6);
+  EXPECT_FALSE(space.ProbabilityAt({0, 0, 0}));
   EXPECT_EQ(space.LikelyFreeShare({{0, 0, 0}}), 0.0);
   EXPECT_EQ(space.LikelyFreeShare({}), 0.0);
-  EXPECT_TRUE(space.Occupied(AlignedBox3d(Vector3d(-1, -1, -1), Vector3d(1, 1, 1))).empty());
 }
 
 TEST(VoxelSpace, AWallIsOccupiedFreeBeforeItAndUnknownBehind) {
@@ -70,10 +67,8 @@ TEST(VoxelSpace, APixelWithoutReturnSaysNothing) {
   depth.at<float>(0, 0) = 0.0F;
   depth.at<float>(0, 1) = std::numeric_limits<float>::infinity();
   space.Insert(depth, kCamera, Pose::Identity(), 1);
-  int known = 0;
-  space.Visit(AlignedBox3d(Vector3d(-9, -9, -9), Vector3d(9, 9, 9)),
-              [&](const Voxel&) { ++known; });
-  EXPECT_EQ(known, 0);
+  EXPECT_EQ(space.At({0.0, 0.0, 0.5}), Occupancy::kUnknown);
+  EXPECT_EQ(space.surroundings().memory(), VoxelSpace().surroundings().memory());
 }
 
 TEST(VoxelSpace, WhatLiesBeyondTheRangeIsNotEnteredButTheWayThereIsFree) {
@@ -87,15 +82,8 @@ TEST(VoxelSpace, WhatLiesBeyondTheRangeIsNotEnteredButTheWayThereIsFree) {
 TEST(VoxelSpace, EachVoxelIsUpdatedOnceAnInsertHoweverManyRaysThereAre) {
   VoxelSpace space;
   space.Insert(Wall(1.01F), kCamera, Pose::Identity(), 1);
-  double hit = 0.0;
-  double miss = 1.0;
-  space.Visit(AlignedBox3d(Vector3d(-0.1, -0.1, 0.1), Vector3d(0.1, 0.1, 1.1)),
-              [&](const Voxel& voxel) {
-                hit = std::max(hit, voxel.probability);
-                miss = std::min(miss, voxel.probability);
-              });
-  EXPECT_NEAR(hit, 0.7, 1e-6);
-  EXPECT_NEAR(miss, 0.4, 1e-6);
+  EXPECT_NEAR(space.ProbabilityAt({0.01, 0.01, 1.01}).value(), 0.7, 1e-6);
+  EXPECT_NEAR(space.ProbabilityAt({0.01, 0.01, 0.5}).value(), 0.4, 1e-6);
 }
 
 TEST(VoxelSpace, AVoxelSeenThroughThreeTimesIsLikelyFree) {
@@ -105,57 +93,6 @@ TEST(VoxelSpace, AVoxelSeenThroughThreeTimesIsLikelyFree) {
     space.Insert(Wall(1.01F), kCamera, Pose::Identity(), 1);
     // p after n misses: 0.4^n / (0.4^n + 0.6^n) = 0.4, 0.308, 0.229.
     EXPECT_NEAR(space.LikelyFreeShare(points), view == 3 ? 1.0 / 3.0 : 0.0, 1e-12);
-  }
-}
-
-/// The same map by OctoMap's own insertion.
-octomap::OcTree Reference(const cv::Mat& depth, const Pose& X_WC) {
-  octomap::OcTree tree(0.02);
-  octomap::Pointcloud cloud;
-  for (int v = 0; v < depth.rows; ++v) {
-    for (int u = 0; u < depth.cols; ++u) {
-      const Vector3d p = X_WC * (kCamera.Ray(u, v) * depth.at<float>(v, u));
-      cloud.push_back(static_cast<float>(p.x()), static_cast<float>(p.y()),
-                      static_cast<float>(p.z()));
-    }
-  }
-  const Vector3d o = X_WC.translation();
-  tree.insertPointCloud(
-      cloud, {static_cast<float>(o.x()), static_cast<float>(o.y()), static_cast<float>(o.z())},
-      -1.0, false, true);
-  return tree;
-}
-
-TEST(VoxelSpace, AgreesWithOctoMapsOwnInsertion) {
-  Rng rng(5);
-  for (int trial = 0; trial < 3; ++trial) {
-    cv::Mat depth = Wall(1.0F);
-    for (int v = 0; v < depth.rows; ++v) {
-      for (int u = 0; u < depth.cols; ++u) {
-        depth.at<float>(v, u) = static_cast<float>(0.8 + 0.3 * std::sin(0.1 * u) + 0.01 * v);
-      }
-    }
-    Pose X_WC = Pose::Identity();
-    X_WC.linear() = RotationFromVector(RandomPoint(&rng, 1.0));
-    X_WC.translation() = RandomPoint(&rng, 0.5);
-    VoxelSpace space;
-    space.Insert(depth, kCamera, X_WC, 1);
-    octomap::OcTree tree = Reference(depth, X_WC);
-    int same = 0;
-    int all = 0;
-    for (int i = 0; i < 20000; ++i) {
-      const Vector3d p =
-          X_WC * (kCamera.Ray(rng.Uniform(0, 63), rng.Uniform(0, 47)) * rng.Uniform(0.05, 1.5));
-      const octomap::OcTreeNode* node = tree.search(p.x(), p.y(), p.z());
-      const Occupancy expected = node == nullptr             ? Occupancy::kUnknown
-                                 : tree.isNodeOccupied(node) ? Occupancy::kOccupied
-                                                             : Occupancy::kFree;
-      ++all;
-      if (space.At(p) == expected) ++same;
-    }
-    // OctoMap computes in single precision, so a ray that grazes a voxel's edge may differ.
-    EXPECT_GT(static_cast<double>(same) / all, 0.995) << "trial " << trial;
-    EXPECT_EQ(space.octree().getTreeDepth(), 16U);
   }
 }
 
@@ -195,7 +132,7 @@ TEST(VoxelSpace, CastFindsTheFirstOfRandomVoxelsAsSmallStepsDo) {
 TEST(VoxelSpace, RegionsCanBeMarkedClearedAndForgotten) {
   VoxelSpace space;
   space.MarkOccupied({{0.01, 0.01, 0.01}, {0.05, 0.01, 0.01}});
-  EXPECT_EQ(space.Occupied(AlignedBox3d(Vector3d(-1, -1, -1), Vector3d(1, 1, 1))).size(), 2U);
+  EXPECT_EQ(space.At({0.01, 0.01, 0.01}), Occupancy::kOccupied);
   space.ClearBox(AlignedBox3d(Vector3d(0.0, 0.0, 0.0), Vector3d(0.02, 0.02, 0.02)));
   EXPECT_EQ(space.At({0.01, 0.01, 0.01}), Occupancy::kFree);
   EXPECT_EQ(space.At({0.05, 0.01, 0.01}), Occupancy::kOccupied);
@@ -233,33 +170,108 @@ TEST(VoxelSpace, ACopyIsIndependent) {
   VoxelSpace copy = space;
   copy.Insert(Wall(1.01F), kCamera, Pose::Identity(), 1);
   EXPECT_EQ(space.At({0.01, 0.01, 1.01}), Occupancy::kUnknown);
-  double hit = 0.0;
-  copy.Visit(AlignedBox3d(Vector3d(0, 0, 1.0), Vector3d(0.02, 0.02, 1.02)),
-             [&](const Voxel& voxel) { hit = std::max(hit, voxel.probability); });
-  EXPECT_NEAR(hit, 0.9, 1e-6);  // the copy has the config, too
+  EXPECT_NEAR(copy.ProbabilityAt({0.01, 0.01, 1.01}).value(), 0.9, 1e-6);  // the config, too
 }
 
-TEST(VoxelSpace, AFileGivesBackTheMap) {
-  const std::filesystem::path folder =
-      std::filesystem::path(::testing::TempDir()) / "voxel_space_test";
-  VoxelSpace space;
-  space.Insert(Wall(1.01F), kCamera, Pose::Identity(), 2);
-  for (const char* name : {"map.ot", "map.bt"}) {
-    space.Save(folder / name);
-    VoxelSpace read;
-    read.Load(folder / name);
-    Rng rng(7);
-    for (int i = 0; i < 2000; ++i) {
-      const Vector3d p(rng.Uniform(-0.6, 0.6), rng.Uniform(-0.5, 0.5), rng.Uniform(0, 1.2));
-      EXPECT_EQ(read.At(p), space.At(p)) << name;
-    }
+/// A workspace of 0.8 m around (0, 0, 1), seen from the origin, a wall in its middle.
+VoxelSpace WithWorkspace() {
+  return VoxelSpace({}, AlignedBox3d(Vector3d(-0.4, -0.4, 0.6), Vector3d(0.4, 0.4, 1.4)));
+}
+
+TEST(VoxelSpace, TheWorkspaceAnswersWithItsFinerVoxels) {
+  VoxelSpace space = WithWorkspace();
+  space.Insert(Wall(1.005F), kCamera, Pose::Identity(), 1);
+  // The wall lies in the fine voxel from 1.00 to 1.01 and in the coarse one from 1.00 to 1.02.
+  EXPECT_EQ(space.At({0.005, 0.005, 1.005}), Occupancy::kOccupied);
+  EXPECT_EQ(space.At({0.005, 0.005, 1.015}), Occupancy::kUnknown);
+  EXPECT_EQ(space.surroundings().At({0.005, 0.005, 1.015}), Occupancy::kOccupied);
+  EXPECT_EQ(space.At({0.005, 0.005, 0.5}), Occupancy::kFree);  // before it, in the surroundings
+}
+
+TEST(VoxelSpace, ALineIsFollowedThroughSurroundingsAndWorkspace) {
+  VoxelSpace space = WithWorkspace();
+  space.ClearBox(AlignedBox3d(Vector3d(-0.1, -0.1, 0.0), Vector3d(0.1, 0.1, 2.0)));
+  const Vector3d a(0.005, 0.005, 0.1);
+  const Vector3d b(0.005, 0.005, 1.9);
+  EXPECT_FALSE(space.Cast(a, b).blocked);
+  EXPECT_NEAR(space.Cast(a, b).unknown, 0.0, 1e-9);
+  space.RemoveRegion(AlignedBox3d(Vector3d(-1, -1, 1.3), Vector3d(1, 1, 1.5)));
+  EXPECT_NEAR(space.Cast(a, b).unknown, 0.2, 1e-9);  // half of it in the one, half in the other
+  for (const double z : {1.705, 1.105, 0.305}) {     // ever nearer: behind, inside, before
+    space.MarkOccupied({{0.005, 0.005, z}});
+    const Passage passage = space.Cast(a, b);
+    EXPECT_TRUE(passage.blocked);
+    EXPECT_NEAR(passage.p_WE.z(), z - 0.005, 1e-9);
   }
-  VoxelSpace fine(VoxelSpaceConfig{.voxel_m = 0.01});
-  EXPECT_THROWS(fine.Load(folder / "map.bt"), ConfigError, "set voxel_m to match");
-  WriteFile(folder / "no_map.bt", "hello");
-  EXPECT_THROWS(fine.Load(folder / "no_map.bt"), ConfigError, "no octree");
-  EXPECT_THROWS(fine.Load(folder / "missing.ot"), ConfigError, "missing.ot");
-  EXPECT_THROWS(space.Save(folder / "map.txt"), ConfigError, "ends in .bt or .ot, not in '.txt'");
+}
+
+TEST(VoxelSpace, AFanSaysOfEachPixelWhatItsLineSays) {
+  Rng rng(12);
+  VoxelSpace space = WithWorkspace();
+  space.ClearBox(AlignedBox3d(Vector3d(-0.6, -0.3, 0.2), Vector3d(0.6, 0.3, 1.2)));
+  std::vector<Vector3d> blocks;
+  for (int i = 0; i < 900; ++i) blocks.push_back(RandomPoint(&rng, 0.4) + Vector3d(0, 0, 1));
+  space.MarkOccupied(blocks);
+  Pose X_WC = Pose::Identity();
+  X_WC.translation() << 0.0123, -0.0234, 0.0345;  // where rays do not run along edges
+  RayFan fan{kCamera, X_WC, {3, 5}, {50, 40}, {}};
+  for (int i = 0; i < 50 * 40; ++i) fan.depth.push_back(i % 7 == 0 ? 0.0 : rng.Uniform(0.3, 1.9));
+  const std::vector<Passage> passages = space.Cast(fan);
+  ASSERT_EQ(passages.size(), fan.depth.size());
+  int blocked = 0;
+  for (int i = 0; i < 50 * 40; ++i) {
+    const Passage& passage = passages[i];
+    if (fan.depth[i] == 0.0) {
+      EXPECT_FALSE(passage.blocked);
+      EXPECT_EQ(passage.unknown, 0.0);
+      continue;
+    }
+    const Passage line =
+        space.Cast(X_WC.translation(), X_WC * (fan.depth[i] * kCamera.Ray(3 + i % 50, 5 + i / 50)));
+    EXPECT_EQ(passage.blocked, line.blocked) << i;
+    EXPECT_NEAR(passage.unknown, line.unknown, 1e-9) << i;
+    EXPECT_NEAR((passage.p_WE - line.p_WE).norm(), 0.0, 1e-9) << i;
+    blocked += line.blocked ? 1 : 0;
+  }
+  EXPECT_GT(blocked, 100);
+}
+
+TEST(VoxelSpace, APlacedModelIsSolidAndLeavesWhatWasMeasured) {
+  VoxelSpace space = WithWorkspace();
+  space.ClearBox(AlignedBox3d(Vector3d(-0.4, -0.4, 0.6), Vector3d(0.4, 0.4, 1.0)));
+  const geometry::Mesh box = geometry::MakeBox({0.2, 0.2, 0.2}, {1, 1, 1});
+  Pose X_WM = Pose::Identity();
+  X_WM.translation() << 0.005, 0.005, 1.005;
+  const Vector3d in_the_free(0.005, 0.005, 0.955);
+  const Vector3d in_the_unknown(0.005, 0.005, 1.055);
+  space.Place(3, box, X_WM);
+  EXPECT_EQ(space.At(in_the_free), Occupancy::kOccupied);
+  EXPECT_EQ(space.At(in_the_unknown), Occupancy::kOccupied);
+  EXPECT_EQ(space.surroundings().At(in_the_free), Occupancy::kOccupied);
+  // What it is judged by is what was measured, not that it stands there.
+  EXPECT_EQ(space.LikelyFreeShare({in_the_free, in_the_unknown}), 0.5);
+
+  space.Place(4, box, X_WM);  // a second at the same place holds it when the first leaves
+  space.TakeAway(3);
+  EXPECT_EQ(space.At(in_the_free), Occupancy::kOccupied);
+  X_WM.translation().x() += 0.25;
+  space.Place(4, box, X_WM);  // moved
+  EXPECT_EQ(space.At(in_the_free), Occupancy::kFree);
+  EXPECT_EQ(space.At(in_the_unknown), Occupancy::kUnknown);
+  EXPECT_EQ(space.At({0.255, 0.005, 1.005}), Occupancy::kOccupied);
+  space.TakeAway(4);
+  space.TakeAway(5);  // never stood there
+  EXPECT_EQ(space.At({0.255, 0.005, 1.005}), Occupancy::kUnknown);
+}
+
+TEST(WorkspaceAbove, IsTheBoxAroundTheRectangleExtruded) {
+  SupportPlane plane_W;
+  plane_W.corners_A = {Vector3d(0, -1, 0.7), Vector3d(1, 0, 0.7), Vector3d(0, 1, 0.7),
+                       Vector3d(-1, 0, 0.7)};
+  const AlignedBox3d box_W =
+      WorkspaceAbove(plane_W, {.workspace_height_m = 0.5, .workspace_margin_m = 0.1});
+  EXPECT_TRUE(box_W.min().isApprox(Vector3d(-1.1, -1.1, 0.6)));
+  EXPECT_TRUE(box_W.max().isApprox(Vector3d(1.1, 1.1, 1.3)));
 }
 
 TEST(VoxelSpace, RefusesBadInput) {
@@ -274,6 +286,8 @@ TEST(VoxelSpace, RefusesBadInput) {
   EXPECT_THROWS(space.MarkOccupied({Vector3d::Constant(NAN)}), InvalidArgument, "not finite");
   EXPECT_THROWS(space.ClearBox(AlignedBox3d(Vector3d(0, 0, 0), Vector3d(INFINITY, 0, 0))),
                 InvalidArgument, "box to clear");
+  EXPECT_THROWS(VoxelSpace({}, AlignedBox3d(Vector3d(0, 0, 0), Vector3d(0, 1, 1))), InvalidArgument,
+                "must be finite and have a volume");
   EXPECT_THROWS(VoxelSpace(VoxelSpaceConfig{.voxel_m = 0.0}), ConfigError, "voxel_m = 0");
   EXPECT_THROWS(VoxelSpace(VoxelSpaceConfig{.miss_probability = 0.6}), ConfigError,
                 "miss_probability = 0.6");
