@@ -68,7 +68,9 @@ TEST(VoxelSpace, APixelWithoutReturnSaysNothing) {
   depth.at<float>(0, 1) = std::numeric_limits<float>::infinity();
   space.Insert(depth, kCamera, Pose::Identity(), 1);
   EXPECT_EQ(space.At({0.0, 0.0, 0.5}), Occupancy::kUnknown);
-  EXPECT_EQ(space.surroundings().memory(), VoxelSpace().surroundings().memory());
+  for (int i = 0; i < space.surroundings().directory_size(); ++i) {
+    EXPECT_EQ(space.surroundings().Find(i), nullptr) << "nothing was entered";
+  }
 }
 
 TEST(VoxelSpace, WhatLiesBeyondTheRangeIsNotEnteredButTheWayThereIsFree) {
