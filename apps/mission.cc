@@ -100,6 +100,9 @@ Progress Mission::Step() try {
 } catch (const DeviceError& error) {
   End(Progress::kFailed, fmt::format("a device failed: {}", error.what()));
   throw;
+} catch (const ProtocolError& error) {
+  End(Progress::kFailed, fmt::format("a device does not keep to its protocol: {}", error.what()));
+  throw;
 }
 
 std::optional<TakenLook> Mission::Plan() {

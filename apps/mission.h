@@ -70,7 +70,8 @@ class Mission {
           std::uint64_t seed, StopRequest stop, Publisher* publisher, hal::Robot* robot);
 
   /// One turn of the cycle. Not to be called again once it has returned anything but kMore.
-  /// @throws DeviceError when a device is lost.
+  /// @throws DeviceError when a device is lost, ProtocolError when it answers nonsense. The robot
+  /// stands still then, and record() says how the mission ended.
   Progress Step();
 
   /// The first half of a turn: looks, understands and says which look to take next; nothing moves.

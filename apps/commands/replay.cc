@@ -111,7 +111,7 @@ class Replayed {
     } catch (const hal::EndOfRecording& end) {
       spdlog::warn("{}", end.what());
       cut_short_ = true;
-    } catch (const DeviceError&) {
+    } catch (const Error&) {
       progress_ = Progress::kFailed;
       TellEnd();
       throw;
@@ -190,7 +190,7 @@ int Replay(const ReplayOptions& options) {
   };
   try {
     replayed.Run();
-  } catch (const DeviceError&) {
+  } catch (const Error&) {
     finish();
     if (!replayed.check().differences().empty()) return kOtherDecision;
     throw;

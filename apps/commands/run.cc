@@ -123,7 +123,7 @@ int Run(const RunOptions& options) {
         progress = mission.Step();
       }
     }
-  } catch (const DeviceError&) {
+  } catch (const Error&) {
     progress = Progress::kFailed;
     finish();  // what was learned until then is not lost
     throw;
