@@ -111,7 +111,7 @@ class Replayed {
     } catch (const hal::EndOfRecording& end) {
       spdlog::warn("{}", end.what());
       cut_short_ = true;
-    } catch (const Error&) {
+    } catch (const DeviceError&) {
       progress_ = Progress::kFailed;
       TellEnd();
       throw;
@@ -190,9 +190,13 @@ int Replay(const ReplayOptions& options) {
   };
   try {
     replayed.Run();
-  } catch (const Error&) {
+  } catch (const DeviceError&) {
     finish();
     if (!replayed.check().differences().empty()) return kOtherDecision;
+    throw;
+  } catch (
+      const ProtocolError&) {  // what is damaged is the recording, so it says nothing of decisions
+    finish();
     throw;
   }
   finish();

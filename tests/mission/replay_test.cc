@@ -377,15 +377,16 @@ int Shell(const std::string& command) {
 }
 
 TEST(Recording, OpensWithPythonsLcm) {
-  if (Shell("python3 -c 'import lcm'") != 0) GTEST_SKIP() << "no Python package lcm";
+  if (Shell("tools/python_lcm") != 0) GTEST_SKIP() << "no Python package lcm";
   const RecordedMission mission;
   int events = 0;
   transport::EventLogReader reader(mission.log());
   while (reader.Next()) ++events;
-  EXPECT_EQ(Shell("python3 -c 'import lcm, sys; names = [e.channel for e in lcm.EventLog(\"" +
-                  mission.log() + "\", \"r\")]; sys.exit(names[0] != \"REC_MISSION\" or " +
-                  "len(names) != " + std::to_string(events) + ")'"),
-            0);
+  EXPECT_EQ(
+      Shell("$(tools/python_lcm) -c 'import lcm, sys; names = [e.channel for e in lcm.EventLog(\"" +
+            mission.log() + "\", \"r\")]; sys.exit(names[0] != \"REC_MISSION\" or " +
+            "len(names) != " + std::to_string(events) + ")'"),
+      0);
 }
 
 TEST(Recording, PlaysWithLcmLogplayer) {
