@@ -12,7 +12,7 @@ struct VerifyConfig {
   double min_quality = 0.4;           ///< q_h of Kriegel 2013, Eq. 5.
   int min_visible_px = 200;           ///< Fewer say too little.
   double min_visible_fraction = 0.1;  ///< Of the silhouette.
-  double min_inner = 0.25;            ///< Of the silhouette is no rim: else it is too thin.
+  double min_inner = 0.55;            ///< Of the silhouette is no rim: else it is too thin.
   double max_unmeasured = 0.92;       ///< Of the silhouette: no return from there.
   double min_matching = 0.85;         ///< Of the visible pixels.
   double max_see_through = 0.08;      ///< Of the visible pixels.
