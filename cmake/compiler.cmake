@@ -28,6 +28,7 @@ endif()
 if(SECONDLOOK_SANITIZE)
   target_compile_options(secondlook_options INTERFACE -fsanitize=${SECONDLOOK_SANITIZE}
                                                       -fno-omit-frame-pointer
-                                                      -fno-sanitize-recover=all)
+                                                      -fno-sanitize-recover=all
+                                                      -fno-sanitize=vptr)  # lcm-cpp's casts
   target_link_options(secondlook_options INTERFACE -fsanitize=${SECONDLOOK_SANITIZE})
 endif()
