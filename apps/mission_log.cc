@@ -38,9 +38,9 @@ void MissionLog::Begin(const RunConfig& config, const world::ObjectDatabase& dat
 
 StopRequest MissionLog::Recorded(StopRequest stop, std::function<int()> signal) {
   return [this, stop = std::move(stop), signal = std::move(signal)] {
-    if (!stop()) return false;
-    recorder_.Stop(signal());
-    return true;
+    const bool stopped = stop();
+    recorder_.StopAsked(stopped, signal());
+    return stopped;
   };
 }
 

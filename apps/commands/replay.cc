@@ -105,7 +105,7 @@ class Replayed {
       publisher_.Mission(start_);
       if (recording_.start.plan_only != 0) {
         mission_.Plan();
-        progress_ = playback_.StopAsked() ? Progress::kStopped : Progress::kSettled;
+        progress_ = playback_.AskStop() ? Progress::kStopped : Progress::kSettled;
       }
       while (progress_ == Progress::kMore) Step();
     } catch (const hal::EndOfRecording& end) {
@@ -131,9 +131,9 @@ class Replayed {
   }
 
  private:
-  bool StopAsked(bool follow) const {
+  bool StopAsked(bool follow) {
     const bool decided_otherwise = !follow && !check_.differences().empty();
-    return StopSignal() != 0 || decided_otherwise || playback_.StopAsked();
+    return StopSignal() != 0 || decided_otherwise || playback_.AskStop();
   }
 
   void Step() {

@@ -116,7 +116,7 @@ int Run(const RunOptions& options) {
   try {
     if (options.plan_only) {
       PrintPlan(mission.Plan());
-      progress = executive.StopRequested() ? Progress::kStopped : Progress::kSettled;
+      progress = stop() ? Progress::kStopped : Progress::kSettled;
     } else {
       while (progress == Progress::kMore) {
         PassOnTask(&executive, log ? &*log : nullptr, &mission);

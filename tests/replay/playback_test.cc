@@ -208,18 +208,35 @@ TEST(Playback, StopsWhereTheRecordedMissionWasStopped) {
   RecordedFake recorded;
   recorded.SetOut();
   recorded.robot.clock->SleepUntil(Time(Seconds(1)));
-  recorded.recorder.Stop(15);
+  recorded.recorder.StopAsked(false, 0);
+  recorded.recorder.StopAsked(false, 0);
+  recorded.recorder.StopAsked(true, 15);
   recorded.robot.clock->SleepUntil(Time(Seconds(2)));
-  recorded.recorder.Stop(15);
+  recorded.recorder.StopAsked(true, 15);
   const Recording recording = recorded.EndWhole();
   Playback playback(recording);
   Robot robot = playback.MakeRobot();
   EXPECT_EQ(playback.stop_signal(), 15);
-  EXPECT_FALSE(playback.StopAsked());
   playback.NextLook();
-  EXPECT_FALSE(playback.StopAsked());
   robot.clock->SleepUntil(Time(Seconds(1)));
-  EXPECT_TRUE(playback.StopAsked());
+  EXPECT_FALSE(playback.AskStop());
+  EXPECT_FALSE(playback.AskStop());
+  EXPECT_TRUE(playback.AskStop());
+}
+
+TEST(Playback, StopsAMissionThatAsksLessOftenOnceItsTimeIsPast) {
+  RecordedFake recorded;
+  for (int i = 0; i < 9; ++i) recorded.recorder.StopAsked(false, 0);
+  recorded.robot.clock->SleepUntil(Time(Seconds(1)));
+  recorded.recorder.StopAsked(true, 0);
+  recorded.robot.clock->SleepUntil(Time(Seconds(2)));
+  const Recording recording = recorded.EndWhole();
+  Playback playback(recording);
+  Robot robot = playback.MakeRobot();
+  robot.clock->SleepUntil(Time(Seconds(1)));
+  EXPECT_FALSE(playback.AskStop());
+  robot.clock->SleepUntil(Time(Seconds(2)));
+  EXPECT_TRUE(playback.AskStop());
 }
 
 TEST(Playback, GivesTheTasksOfEachSegment) {

@@ -16,6 +16,7 @@ struct Reel {
   const Recording& recording;
   std::size_t segment{};
   std::atomic<Time> now{Time{}};
+  std::int64_t stop_questions{};  ///< That the mission has asked.
 
   const Segment& Current() const { return recording.segments[segment]; }
 
@@ -228,9 +229,11 @@ void Playback::NextLook() {
   if (!reel_->InLastSegment()) ++reel_->segment;
 }
 
-bool Playback::StopAsked() const {
+bool Playback::AskStop() {
+  ++reel_->stop_questions;
   const auto& stop = reel_->Current().stop;
-  return stop && reel_->now.load() >= Time(Duration(stop->now_ns));
+  return stop && (reel_->stop_questions >= stop->questions ||
+                  reel_->now.load() > Time(Duration(stop->now_ns)));
 }
 
 int Playback::stop_signal() const {

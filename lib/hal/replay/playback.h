@@ -35,8 +35,9 @@ class Playback {
   /// The mission sets out for a look: what it is answered comes from the next segment from now on.
   void NextLook();
 
-  /// True when the recorded mission had been asked to stop by this time.
-  bool StopAsked() const;
+  /// The mission asks whether to stop. It is answered as the recorded one was: from the same
+  /// question on, or once the time is past at which the recorded one stopped.
+  bool AskStop();
   /// The signal that asked the recorded mission to stop; 0: none.
   int stop_signal() const;
 

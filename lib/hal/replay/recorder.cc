@@ -52,12 +52,14 @@ void Recorder::Begin(second_look::rec_mission_t mission) {
 
 void Recorder::Task(second_look::task_t task) { Post(channel::kRecTask, std::move(task)); }
 
-void Recorder::Stop(int signal) {
-  if (std::exchange(stopped_, true)) return;
-  second_look::rec_stop_t stop{};
-  stop.now_ns = ToNanoseconds(now_);
-  stop.signal = signal;
-  Post(channel::kRecStop, stop);
+void Recorder::StopAsked(bool stop, int signal) {
+  ++stop_questions_;
+  if (!stop || std::exchange(stopped_, true)) return;
+  second_look::rec_stop_t message{};
+  message.now_ns = ToNanoseconds(now_);
+  message.questions = stop_questions_;
+  message.signal = signal;
+  Post(channel::kRecStop, message);
 }
 
 void Recorder::OnNow(Time now) { PostClock(rec_clock_t::NOW, 0, now); }

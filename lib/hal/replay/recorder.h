@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "lib/hal/tap.h"
 #include "lib/transport/message.h"
 
@@ -20,9 +22,9 @@ class Recorder : public RobotListener {
   void Begin(second_look::rec_mission_t mission);
   /// The mission has got this task.
   void Task(second_look::task_t task);
-  /// The mission has noticed that it is to stop; `signal` asked for it, or 0. Later ones are not
-  /// recorded.
-  void Stop(int signal);
+  /// The mission has asked whether to stop, and was answered `stop`; `signal` wanted it, or 0. The
+  /// first time that it is to stop is recorded.
+  void StopAsked(bool stop, int signal);
 
   void OnNow(Time now) override;
   void OnSleep(Time until, Time now) override;
@@ -44,6 +46,7 @@ class Recorder : public RobotListener {
 
   transport::Sink* log_;
   Time now_{};
+  std::int64_t stop_questions_{};  ///< That the mission has asked.
   bool stopped_{};
 };
 
