@@ -21,7 +21,7 @@
 namespace secondlook::bench {
 namespace {
 
-constexpr int kSize = 64;    // [px]
+constexpr int kSize = 64;  // [px]
 constexpr int kPoses = 64;
 constexpr float kNear = 0.2F;  // [m]
 constexpr float kFar = 2.0F;   // [m]
@@ -117,8 +117,8 @@ class OsMesa {
         color_(kSize * kSize),
         depth_(kSize * kSize),
         count_(static_cast<GLsizei>(3 * mesh.triangles.size())) {
-    if (context_ == nullptr || OSMesaMakeCurrent(context_, color_.data(), GL_UNSIGNED_BYTE, kSize,
-                                                 kSize) == GL_FALSE) {
+    if (context_ == nullptr ||
+        OSMesaMakeCurrent(context_, color_.data(), GL_UNSIGNED_BYTE, kSize, kSize) == GL_FALSE) {
       fmt::print("OSMesa cannot make a context\n");
       std::exit(1);
     }
@@ -193,10 +193,11 @@ bool Agree() {
       plain_equal += drawn && std::abs(second[i] - peer_z) <= 0.001F ? 1 : 0;
     }
   }
-  fmt::print("{} triangles, {} poses, {} pixels: equal to OSMesa at 1 mm: ours {:.3f} %, plain "
-             "z-buffer {:.3f} %\n",
-             TheMesh().triangles.size(), ThePoses().size(), either, 100.0 * equal / either,
-             100.0 * plain_equal / either);
+  fmt::print(
+      "{} triangles, {} poses, {} pixels: equal to OSMesa at 1 mm: ours {:.3f} %, plain "
+      "z-buffer {:.3f} %\n",
+      TheMesh().triangles.size(), ThePoses().size(), either, 100.0 * equal / either,
+      100.0 * plain_equal / either);
   return equal >= 0.995 * either;
 }
 
