@@ -24,11 +24,15 @@ void Run(Options options) {
       experiment.shard < 1 || experiment.shard > experiment.shards) {
     Throw<InvalidArgument>("--shard {}: must be i/n with 1 <= i <= n, e.g. 1/4", options.shard);
   }
-  if (options.name != "missions") {
-    Throw<InvalidArgument>("there is no experiment '{}'; known: missions", options.name);
-  }
   try {
-    RunMissionsExperiment(experiment);
+    if (options.name == "missions") {
+      RunMissionsExperiment(experiment);
+    } else if (options.name == "real-frames") {
+      RunRealFramesExperiment(experiment);
+    } else {
+      Throw<InvalidArgument>("there is no experiment '{}'; known: missions, real-frames",
+                             options.name);
+    }
   } catch (const nlohmann::json::exception& error) {
     Throw<ConfigError>("{}: its trials cannot be read, so they cannot be resumed: {}",
                        experiment.json, error.what());
@@ -38,7 +42,7 @@ void Run(Options options) {
 }  // namespace
 
 void AddExperiment(CLI::App* app, int*) {
-  CLI::App* command = app->add_subcommand("experiment", "Measures in simulation: missions");
+  CLI::App* command = app->add_subcommand("experiment", "Measures: missions, real-frames");
   const auto options = std::make_shared<Options>();  // outlives this function in the callback
   ExperimentOptions& experiment = options->experiment;
   experiment.models = "sim/models";

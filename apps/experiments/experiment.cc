@@ -19,6 +19,8 @@ using Json = nlohmann::ordered_json;
 
 double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+Json OrNull(const std::optional<double>& figure) { return figure ? Json(*figure) : Json(nullptr); }
+
 /// The trials that stand in the result of an earlier, interrupted run.
 std::vector<Json> EarlierTrials(const std::string& name, const ExperimentOptions& options) {
   if (!options.resume || options.json.empty() || options.json == "-") return {};
@@ -52,8 +54,8 @@ Json ResultOf(const std::string& name, const ExperimentOptions& options,
     result["rows"].push_back({{"metric", row.metric},
                               {"value", row.estimate.value},
                               {"ci95", {row.estimate.low, row.estimate.high}},
-                              {"paper", nullptr},
-                              {"baseline", nullptr}});
+                              {"paper", OrNull(row.paper)},
+                              {"baseline", OrNull(row.baseline)}});
   }
   result["seconds"] = seconds;
   result["details"] = details;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ struct ExperimentOptions {
 struct Row {
   std::string metric;
   Estimate estimate;
+  std::optional<double> paper{};     ///< The published figure.
+  std::optional<double> baseline{};  ///< The same figure by the simpler method, in the same trials.
 };
 
 /// Runs `trial(t)` for the trials of the shard, side by side, and returns their results in the
@@ -44,5 +47,10 @@ std::vector<nlohmann::ordered_json> RunTrials(
 /// Whole missions in simulation: the figures by which the default robot is judged.
 /// @throws ConfigError for folders or a scene that cannot be read.
 void RunMissionsExperiment(const ExperimentOptions& options);
+
+/// Recognition in recorded frames with ground truth, nothing told of where objects are: a trial is
+/// a frame of the folder `options.data`.
+/// @throws ConfigError for a folder that has no such frame, or a frame that cannot be read.
+void RunRealFramesExperiment(const ExperimentOptions& options);
 
 }  // namespace secondlook::apps
