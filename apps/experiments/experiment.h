@@ -15,6 +15,7 @@ namespace secondlook::apps {
 /// What every experiment is asked for (docs/cli.md).
 struct ExperimentOptions {
   int trials = 50;
+  int views{};  ///< Of each trial, for the experiments that take views of a scene.
   std::uint64_t seed = 1;
   int shard = 1;  ///< Of `shards`, from 1: only trials t with t % shards == shard - 1 are run.
   int shards = 1;
@@ -52,5 +53,11 @@ void RunMissionsExperiment(const ExperimentOptions& options);
 /// a frame of the folder `options.data`.
 /// @throws ConfigError for a folder that has no such frame, or a frame that cannot be read.
 void RunRealFramesExperiment(const ExperimentOptions& options);
+
+/// Recognition in single views, each from scratch, as in Section IV-C of Kriegel 2013: a trial is a
+/// crowded table with seven objects, which are all that its database holds. The baseline is the
+/// paper's decision on the same hypotheses: the best quality q_h above 0.4.
+/// @throws ConfigError for a folder of models that cannot be read.
+void RunRecognitionExperiment(const ExperimentOptions& options);
 
 }  // namespace secondlook::apps
