@@ -22,6 +22,7 @@ struct Experiment {
 constexpr Experiment kExperiments[] = {
     {"missions", RunMissionsExperiment, 50, 0},
     {"recognition", RunRecognitionExperiment, 10, 48},
+    {"pose-averaging", RunPoseAveragingExperiment, 3, 20},
 };
 
 /// The names of all, in words.
