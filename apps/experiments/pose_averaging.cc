@@ -72,13 +72,13 @@ Capture Believed(const Photo& photo, const geometry::CameraModel& camera, const 
   Pose X_WBn = X_WB;
   X_WBn.translation().x() += rng->Gaussian(noise.localisation_sigma);
   X_WBn.translation().y() += rng->Gaussian(noise.localisation_sigma);
-  X_WBn.linear() = RotationFromVector(
-      {0.0, 0.0, rng->Gaussian(noise.localisation_sigma_deg * kDegree)});
+  X_WBn.linear() =
+      RotationFromVector({0.0, 0.0, rng->Gaussian(noise.localisation_sigma_deg * kDegree)});
   Capture capture;
   capture.frame = photo.frame;
   capture.camera = camera;
-  capture.X_WC = X_WBn * X_WB.inverse() * photo.X_WC * X_CCm *
-                 SmallMotion(0.0, noise.pan_tilt_sigma_deg, rng);
+  capture.X_WC =
+      X_WBn * X_WB.inverse() * photo.X_WC * X_CCm * SmallMotion(0.0, noise.pan_tilt_sigma_deg, rng);
   capture.p_CB_W = X_WBn.translation() - capture.X_WC.translation();
   return capture;
 }
@@ -88,8 +88,7 @@ Capture Believed(const Photo& photo, const geometry::CameraModel& camera, const 
 std::vector<fusion::PoseEstimate> ToOneEquivalent(std::vector<fusion::PoseEstimate> estimates,
                                                   const RecognitionModel& model) {
   for (fusion::PoseEstimate& e : estimates) {
-    e.X_WM =
-        perception::NearestEquivalent(estimates.front().X_WM, e.X_WM, model.symmetry, true);
+    e.X_WM = perception::NearestEquivalent(estimates.front().X_WM, e.X_WM, model.symmetry, true);
   }
   return estimates;
 }
@@ -119,8 +118,7 @@ std::optional<SingleView> FindIn(const std::vector<world::Hypothesis>& chosen,
                                  const std::string& name, const Pose& X_WC) {
   for (const world::Hypothesis& h : chosen) {
     if (h.model != name) continue;
-    return SingleView{X_WC * h.X_CM,
-                      std::max(1e-3, h.score * h.verification.visible_fraction)};
+    return SingleView{X_WC * h.X_CM, std::max(1e-3, h.score * h.verification.visible_fraction)};
   }
   return std::nullopt;
 }
@@ -167,8 +165,8 @@ class Trial {
 
   void Look(int k, Json* single) {
     const Photo photo = camera_.Take(PlannedView(scene_.table, k));
-    const Capture capture = Believed(photo, camera_.info().model, X_CCm_, camera_.world().noise(),
-                                     &rng_);
+    const Capture capture =
+        Believed(photo, camera_.info().model, X_CCm_, camera_.world().noise(), &rng_);
     if (!understanding_.Add(capture).empty()) return;
     const Pose& X_WC = understanding_.belief().views.back().X_WC;
     // W is where the first view believed itself to be; so it is judged in that view's camera frame.
@@ -246,9 +244,9 @@ std::vector<Row> Summarise(const std::vector<Json>& trials) {
     if (Errors(trials, views, "mean", "error_mm").empty()) continue;
     const auto row = [&](const char* what, const char* method, const char* name, const char* unit,
                          const char* error, double paper) {
-      Row fused{fmt::format("{}, {}, {} view{} [{}]", what, name, views, views == 1 ? "" : "s",
-                            unit),
-                Mean(Errors(trials, views, method, error))};
+      Row fused{
+          fmt::format("{}, {}, {} view{} [{}]", what, name, views, views == 1 ? "" : "s", unit),
+          Mean(Errors(trials, views, method, error))};
       if (views == kViews.back()) fused.paper = paper;  // "less than"
       fused.baseline = Mean(Errors(trials, views, "mean", error)).value;
       rows.push_back(std::move(fused));

@@ -33,7 +33,7 @@ std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detec
 }
 
 std::vector<perception::RecognitionModel> ModelsOf(const sim::Scene& scene,
-                                       const world::ObjectDatabase& database) {
+                                                   const world::ObjectDatabase& database) {
   std::vector<world::ObjectModel> drawn;
   for (const sim::SceneObject& object : scene.objects) {
     const world::ObjectModel* model = database.Find(object.name);

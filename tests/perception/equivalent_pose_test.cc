@@ -15,8 +15,7 @@ constexpr double kPi = std::numbers::pi;
 
 Pose Random(Rng* rng) {
   Pose X = Pose::Identity();
-  X.linear() =
-      RotationFromVector({rng->Uniform(-2, 2), rng->Uniform(-2, 2), rng->Uniform(-2, 2)});
+  X.linear() = RotationFromVector({rng->Uniform(-2, 2), rng->Uniform(-2, 2), rng->Uniform(-2, 2)});
   X.translation() << rng->Uniform(-1, 1), rng->Uniform(-1, 1), rng->Uniform(-1, 1);
   return X;
 }
