@@ -12,6 +12,7 @@
 #include "lib/perception/explain.h"
 #include "lib/perception/refine.h"
 #include "lib/perception/rival_turns.h"
+#include "lib/perception/seen_through.h"
 #include "lib/perception/turn_by_color.h"
 #include "lib/perception/verify.h"
 
@@ -46,6 +47,11 @@ constexpr double kModelSigma_m = 0.003;
 /// Directions nearer than this show the same side of a thing.
 constexpr double kSameSide_rad = 0.5;
 constexpr double kPointSpacing_m = 0.005;
+/// A thing is gone when of at least so many points seen of it, a view sees through this share.
+constexpr int kGonePoints = 40;
+constexpr double kGoneShare = 0.5;
+/// So many points of a model are looked up in the map.
+constexpr std::size_t kMapPoints = 500;
 
 std::vector<Vector3d> InWorld(const Pose& X_WC, const std::vector<Vector3d>& points_C) {
   std::vector<Vector3d> points_W;
@@ -80,6 +86,13 @@ std::vector<int> UnionOfPixels(const std::vector<int>& a, const std::vector<int>
   return all;
 }
 
+/// The box in W around the model at X_WM.
+Eigen::AlignedBox3d BoxOf(const perception::RecognitionModel& model, const Pose& X_WM) {
+  Eigen::AlignedBox3d box_W;
+  for (const Eigen::Vector3f& p_M : model.hull) box_W.extend(X_WM * p_M.cast<double>());
+  return box_W;
+}
+
 /// The sighting of `object` in `view`. @pre there is one.
 const world::Sighting& SightingIn(const ObjectBelief& object, int view) {
   return *std::find_if(object.sightings.begin(), object.sightings.end(),
@@ -108,15 +121,18 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
   const perception::ViewRegistration registration = Register(points_C, capture);
   if (!registration.accepted) return registration.reason;
   const Pose& X_WC = registration.X_WC;
-  if (std::string reason = Contradiction(capture, X_WC); !reason.empty()) return reason;
+  const std::vector<int> gone = Gone(capture, X_WC);
+  if (std::string reason = Contradiction(capture, X_WC, gone); !reason.empty()) return reason;
 
   const int view = static_cast<int>(belief_.views.size());
+  for (const int id : gone) Unlearn(view, &belief_.objects[id]);
   Matched matched = MatchClusters(std::move(cut.clusters), frame.depth, capture.camera, X_WC);
   views_.push_back(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C,
                                         matched.clusters));
   belief_.views.push_back({frame, capture.camera, X_WC, *cut.plane_C, Recognise(matched)});
   GrowPlane(cut.plane_points_C, *cut.plane_C, X_WC);
   reference_.AddView(points_C, X_WC, registration.covariance);
+  EnterNewestView();
   for (int i = 0; i < static_cast<int>(matched.objects.size()); ++i) {
     ObjectBelief& object = belief_.objects[matched.objects[i]];
     AddSighting(view, i, &object);
@@ -125,7 +141,7 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
     Conclude(&object);
   }
   MergeDuplicates();
-  AddToMap();
+  PlaceVerified();
   return "";
 }
 
@@ -152,12 +168,54 @@ void SceneUnderstanding::MergeDuplicates() {
   }
 }
 
-/// Why the view cannot have been taken from X_WC: it would see through what is verified. Empty when
-/// it could.
-std::string SceneUnderstanding::Contradiction(const Capture& capture, const Pose& X_WC) const {
+/// The ids of the objects that stood where a view from X_WC sees through them: they were taken away
+/// or moved. When that is so of several, and of more than stand as they were, it is the view that
+/// is wrong, and there are none.
+std::vector<int> SceneUnderstanding::Gone(const Capture& capture, const Pose& X_WC) const {
+  std::vector<int> gone;
+  std::size_t there = 0;
+  for (const ObjectBelief& object : belief_.objects) {
+    if (object.state == ObjectState::kRejected) continue;
+    const perception::SurfaceAgreement agreement =
+        perception::ComparePoints(object.points_W, X_WC, capture.frame.depth, capture.camera);
+    const int seen = agreement.matching + agreement.see_through;
+    if (seen < kGonePoints) continue;
+    if (agreement.see_through > kGoneShare * seen) {
+      gone.push_back(object.id);
+    } else {
+      ++there;
+    }
+  }
+  if (gone.size() > 1 && gone.size() > there) gone.clear();
+  return gone;
+}
+
+/// Forgets what was known of the place of an object that is gone since `view`. Where it is now, it
+/// is another object.
+void SceneUnderstanding::Unlearn(int view, ObjectBelief* object) {
+  Eigen::AlignedBox3d box_W = object->extent_W;
+  if (object->state == ObjectState::kVerified) {
+    const PoseHypothesis& best = *object->Best();
+    box_W.extend(BoxOf(ModelOf(best.model), best.X_WM));
+  }
+  box_W =
+      Eigen::AlignedBox3d(box_W.min().array() - kModelSigma_m, box_W.max().array() + kModelSigma_m);
+  reference_.Remove(box_W);
+  space_.TakeAway(object->id);
+  space_.RemoveRegion(box_W);
+  unlearned_.push_back({view, box_W});
+  object->state = ObjectState::kRejected;
+  object->reason = fmt::format("is gone from its place: view {} sees through it", view);
+}
+
+/// Why the view cannot have been taken from X_WC: it would see through what is verified and not
+/// `gone`. Empty when it could.
+std::string SceneUnderstanding::Contradiction(const Capture& capture, const Pose& X_WC,
+                                              const std::vector<int>& gone) const {
   perception::SurfaceAgreement sum;
   for (const ObjectBelief& object : belief_.objects) {
     if (object.state != ObjectState::kVerified) continue;
+    if (std::binary_search(gone.begin(), gone.end(), object.id)) continue;
     const PoseHypothesis& known = *object.Best();
     const perception::SurfaceAgreement agreement =
         perception::CompareSurface(ModelOf(known.model).mesh, X_WC.inverse() * known.X_WM,
@@ -542,6 +600,17 @@ void SceneUnderstanding::FusePose(PoseHypothesis* h) const {
   const fusion::FusedPose fused = fusion::FusePoses(estimates);
   h->X_WM = fused.X_WM;
   h->covariance = fused.covariance;
+  h->likely_free = LikelyFreeShare(*h);
+}
+
+/// The share of the model's surface that lies where the map is likely free.
+double SceneUnderstanding::LikelyFreeShare(const PoseHypothesis& h) const {
+  const std::vector<perception::ModelPoint>& points = ModelOf(h.model).points;
+  std::vector<Vector3d> points_W;
+  for (std::size_t i = 0; i < std::min(points.size(), kMapPoints); ++i) {
+    points_W.push_back(h.X_WM * points[i].point.cast<double>());
+  }
+  return space_.LikelyFreeShare(points_W);
 }
 
 /// How many sides of the object were seen clearly.
@@ -564,7 +633,10 @@ int SceneUnderstanding::ClearViews(const ObjectBelief& object) const {
 
 void SceneUnderstanding::Conclude(ObjectBelief* object) {
   const bool was_verified = object->state == ObjectState::kVerified;
+  Eigen::AlignedBox3d stood_W;
+  if (was_verified) stood_W = BoxOf(ModelOf(object->Best()->model), object->Best()->X_WM);
   fusion::Conclude(task_, config_.conclude, ClearViews(*object), object);
+  if (was_verified && object->state != ObjectState::kVerified) reference_.Remove(stood_W);
   if (object->state != ObjectState::kVerified || was_verified) return;
   ExamineTurns(object);
   if (object->state != ObjectState::kVerified) return;
@@ -572,7 +644,8 @@ void SceneUnderstanding::Conclude(ObjectBelief* object) {
   reference_.AddModel(ModelOf(best.model).mesh, best.X_WM, kModelSigma_m);
 }
 
-void SceneUnderstanding::AddToMap() {
+/// Enters the newest view into the map.
+void SceneUnderstanding::EnterNewestView() {
   const auto insert = [&](const world::Observation& view) {
     space_.Insert(view.frame.depth, view.camera, view.X_WC, config_.depth_stride);
   };
@@ -583,11 +656,21 @@ void SceneUnderstanding::AddToMap() {
                                    [&](const Vector3d& p) { return workspace->Contains(p); });
   if (covered) {
     insert(belief_.views.back());
-  } else {  // the table turned out to be larger: all over again, with room for more
-    space_ = world::VoxelSpace(config_.voxel_space,
-                               world::WorkspaceAbove(*belief_.plane_W, config_.voxel_space));
-    std::for_each(belief_.views.begin(), belief_.views.end(), insert);
+    return;
   }
+  // The table turned out to be larger: all over again, with room for more.
+  space_ = world::VoxelSpace(config_.voxel_space,
+                             world::WorkspaceAbove(*belief_.plane_W, config_.voxel_space));
+  for (int view = 0; view < static_cast<int>(belief_.views.size()); ++view) {
+    for (const Unlearned& unlearned : unlearned_) {
+      if (unlearned.view == view) space_.RemoveRegion(unlearned.box_W);
+    }
+    insert(belief_.views[view]);
+  }
+}
+
+/// Lets what is verified, and nothing else, stand in the map as its whole model.
+void SceneUnderstanding::PlaceVerified() {
   for (const ObjectBelief& object : belief_.objects) {
     if (object.state == ObjectState::kVerified) {
       const PoseHypothesis& best = *object.Best();

@@ -21,7 +21,8 @@ namespace secondlook::apps {
 /// matched with what is known, recognised, and fused into the belief.
 ///
 /// Every hypothesis is asked of every view that shows its object, whichever view it was born in; so
-/// what is believed does not depend on the order of the views, only on which there were.
+/// what is believed does not depend on the order of the views, only on which there were. What a
+/// view sees through is gone from its place, and what stands elsewhere then is another object.
 class SceneUnderstanding {
  public:
   SceneUnderstanding(const UnderstandingConfig& config, const world::Task& task,
@@ -50,9 +51,18 @@ class SceneUnderstanding {
     int open{};                // how many are to be recognised
   };
 
+  /// A place from which something is gone since a view.
+  struct Unlearned {
+    int view{};
+    Eigen::AlignedBox3d box_W;
+  };
+
   perception::ViewRegistration Register(const std::vector<perception::SurfacePoint>& points_C,
                                         const Capture& capture) const;
-  std::string Contradiction(const Capture& capture, const Pose& X_WC) const;
+  std::vector<int> Gone(const Capture& capture, const Pose& X_WC) const;
+  void Unlearn(int view, world::ObjectBelief* object);
+  std::string Contradiction(const Capture& capture, const Pose& X_WC,
+                            const std::vector<int>& gone) const;
   void GrowPlane(const std::vector<Eigen::Vector3d>& plane_points_C,
                  const world::SupportPlane& plane_C, const Pose& X_WC);
   Matched MatchClusters(std::vector<world::Cluster> clusters, const cv::Mat& depth,
@@ -79,9 +89,11 @@ class SceneUnderstanding {
   void DropConverged(world::ObjectBelief* object) const;
   void DropLeaning(world::ObjectBelief* object) const;
   void FusePose(world::PoseHypothesis* hypothesis) const;
+  double LikelyFreeShare(const world::PoseHypothesis& hypothesis) const;
   int ClearViews(const world::ObjectBelief& object) const;
   void Conclude(world::ObjectBelief* object);
-  void AddToMap();
+  void EnterNewestView();
+  void PlaceVerified();
   const perception::RecognitionModel& ModelOf(const std::string& name) const;
 
   UnderstandingConfig config_;
@@ -89,6 +101,7 @@ class SceneUnderstanding {
   std::vector<perception::RecognitionModel> models_;
   world::VoxelSpace space_;
   perception::ReferenceCloud reference_;
+  std::vector<Unlearned> unlearned_;  // in the order of the views
   std::vector<Eigen::Vector3d> plane_points_W_;
   std::vector<perception::View> views_;  // as recognition looks at belief_.views
   world::SceneBelief belief_;

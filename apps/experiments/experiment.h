@@ -60,4 +60,10 @@ void RunRealFramesExperiment(const ExperimentOptions& options);
 /// @throws ConfigError for a folder of models that cannot be read.
 void RunRecognitionExperiment(const ExperimentOptions& options);
 
+/// The pose of one object fused over planned views, as in Fig. 7 of Kriegel 2013: a trial is an
+/// object by itself on a pedestal. The baseline is the paper's average, the mean of the largest
+/// cluster of what the views say singly.
+/// @throws ConfigError for a folder of models that cannot be read.
+void RunPoseAveragingExperiment(const ExperimentOptions& options);
+
 }  // namespace secondlook::apps

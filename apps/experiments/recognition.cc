@@ -10,9 +10,8 @@
 #include "apps/experiments/experiment.h"
 #include "apps/experiments/free_camera.h"
 #include "apps/experiments/random_scene.h"
-#include "apps/mission_config.h"
-#include "lib/perception/recognise.h"
-#include "lib/perception/segment.h"
+#include "apps/experiments/single_view.h"
+#include "lib/perception/symmetry.h"
 #include "lib/world/object_database.h"
 
 namespace secondlook::apps {
@@ -42,39 +41,14 @@ Pose DrawView(const sim::Table& table, Rng* rng) {
   return LookAt(target + distance * towards, target);
 }
 
-/// What one view says, all by itself.
-std::vector<world::Detection> Detect(const Photo& photo, const geometry::CameraModel& camera,
-                                     const std::vector<RecognitionModel>& models) {
-  const UnderstandingConfig config;
-  const Vector3d up_C = photo.X_WC.linear().transpose() * Vector3d::UnitZ();
-  const double max_drop = photo.X_WC.translation().z() - config.floor_clearance_m;
-  const perception::Segmentation cut = perception::Segment(
-      geometry::Deproject(photo.frame.depth, camera), up_C, config.segment, max_drop);
-  if (!cut.plane_C) return {};
-  const perception::View view = perception::MakeView(photo.frame.color, photo.frame.depth, camera,
-                                                     *cut.plane_C, cut.clusters);
-  return perception::Recognise(view, cut.clusters, models, config.recognise);
-}
-
-/// The hypotheses that we choose.
-std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detections) {
-  const auto choices = perception::ChooseHypotheses(detections, UnderstandingConfig().recognise);
-  std::vector<world::Hypothesis> chosen;
-  for (std::size_t i = 0; i < detections.size(); ++i) {
-    if (choices[i].hypothesis < 0) continue;
-    chosen.push_back(detections[i].hypotheses[choices[i].hypothesis]);
-  }
-  return chosen;
-}
-
 /// Those that the paper's rule chooses: of each cluster the highest quality, when it exceeds 0.4.
 std::vector<world::Hypothesis> ChosenByQuality(const std::vector<world::Detection>& detections) {
   std::vector<world::Hypothesis> chosen;
   for (const world::Detection& detection : detections) {
-    const auto best = std::max_element(
-        detection.hypotheses.begin(), detection.hypotheses.end(), [](const auto& a, const auto& b) {
-          return a.verification.quality < b.verification.quality;
-        });
+    const auto best = std::max_element(detection.hypotheses.begin(), detection.hypotheses.end(),
+                                       [](const auto& a, const auto& b) {
+                                         return a.verification.quality < b.verification.quality;
+                                       });
     if (best == detection.hypotheses.end()) continue;
     if (best->verification.quality > kPaperQuality) chosen.push_back(*best);
   }
@@ -122,14 +96,6 @@ class ViewJudge {
   const std::vector<RecognitionModel>& models_;
   Pose X_WC_;
 };
-
-/// The models of the objects in `scene`, ready for recognition.
-std::vector<RecognitionModel> ModelsOf(const sim::Scene& scene,
-                                       const world::ObjectDatabase& database) {
-  std::vector<world::ObjectModel> drawn;
-  for (const sim::SceneObject& object : scene.objects) drawn.push_back(*database.Find(object.name));
-  return perception::TrainModels(world::ObjectDatabase(std::move(drawn)));
-}
 
 Json RunTrial(const sim::Scene& scene, const world::ObjectDatabase& database, int views,
               std::uint64_t seed) {

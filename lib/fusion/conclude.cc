@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "lib/common/error.h"
 #include "lib/fusion/dempster_shafer.h"
 
 namespace secondlook::fusion {
@@ -103,6 +104,11 @@ void Weigh(const ConcludeConfig& config, PoseHypothesis* h) {
       h->reason = fmt::format("view {} contradicts it: {}", e.view, v.reason);
     }
   }
+  if (!h->struck && h->likely_free >= config.max_likely_free) {
+    h->struck = true;
+    h->reason = fmt::format("the map contradicts it: {:.0f} % of it lies in likely free space",
+                            100.0 * h->likely_free);
+  }
   h->support = weight > 0.0 ? 1.0 / (1.0 + std::exp(-sum / weight)) : 0.0;
 }
 
@@ -151,6 +157,28 @@ const PoseHypothesis* PoseRival(const ObjectBelief& object, const ConcludeConfig
 }
 
 }  // namespace
+
+void ConcludeConfig::Validate() const {
+  const auto require = [](const char* name, double value, double least, double most) {
+    if (value >= least && value <= most) return;  // false for NaN
+    Throw<ConfigError>("{} = {} must be between {} and {}", name, value, least, most);
+  };
+  constexpr double kMost = 1e9;
+  require("strike_visible_fraction", strike_visible_fraction, 0.0, 1.0);
+  require("strike_score", strike_score, 0.0, 1.0);
+  require("min_held", min_held, 0.0, 1.0);
+  require("max_likely_free", max_likely_free, 0.0, 1.0);
+  require("max_unaccepted", max_unaccepted, 0.0, 1.0);
+  require("min_lead", min_lead, 0.0, kMost);
+  require("near_deg", near_deg, 0.0, 180.0);
+  require("min_near_lead", min_near_lead, 0.0, kMost);
+  require("min_color_agreement", min_color_agreement, 0.0, 1.0);
+  require("min_accepting", min_accepting, 0.0, 1.0);
+  require("min_objecting_px", min_objecting_px, 0.0, kMost);
+  require("view_reliability", view_reliability, 0.0, 1.0);
+  require("unknown_views", unknown_views, 1.0, kMost);
+  require("unknown_ignorance", unknown_ignorance, 0.0, 1.0);
+}
 
 double Lead(const ConcludeConfig& config, const PoseHypothesis& a, const PoseHypothesis& b) {
   double lead = 0.0;

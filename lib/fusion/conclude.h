@@ -14,6 +14,9 @@ struct ConcludeConfig {
   /// … unless of all the pixels that the views saw of it, so many are in views that accept it: one
   /// view may be badly registered or lit.
   double min_held = 0.9;
+  /// A hypothesis of whose surface so much lies where the map is likely free is struck (Kriegel
+  /// 2013, III-E).
+  double max_likely_free = 0.33;
   /// A view that does not accept a hypothesis supports it by no more than this, whatever its score.
   double max_unaccepted = 0.3;
   /// A second pose of the same model keeps the object open unless the best is ahead of it by this
@@ -43,6 +46,7 @@ struct ConcludeConfig {
     a->Visit("strike_visible_fraction", &strike_visible_fraction);
     a->Visit("strike_score", &strike_score);
     a->Visit("min_held", &min_held);
+    a->Visit("max_likely_free", &max_likely_free);
     a->Visit("max_unaccepted", &max_unaccepted);
     a->Visit("min_lead", &min_lead);
     a->Visit("near_deg", &near_deg);
@@ -54,6 +58,8 @@ struct ConcludeConfig {
     a->Visit("unknown_views", &unknown_views);
     a->Visit("unknown_ignorance", &unknown_ignorance);
   }
+  /// @throws ConfigError naming the value.
+  void Validate() const;
 };
 
 /// By how much the views prefer `a` to `b`: the difference of the log-odds of their scores, summed

@@ -1,10 +1,33 @@
 #include "lib/fusion/pose_fusion.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <Eigen/Cholesky>
 
 #include "lib/common/error.h"
 
 namespace secondlook::fusion {
+
+std::vector<int> LargestCluster(int count, const std::function<bool(int, int)>& same) {
+  std::vector<int> largest;
+  std::vector<char> taken(count, 0);
+  for (int first = 0; first < count; ++first) {
+    if (taken[first]) continue;
+    taken[first] = 1;
+    std::vector<int> cluster{first};
+    for (std::size_t i = 0; i < cluster.size(); ++i) {
+      for (int other = 0; other < count; ++other) {
+        if (taken[other] || !same(cluster[i], other)) continue;
+        taken[other] = 1;
+        cluster.push_back(other);
+      }
+    }
+    if (cluster.size() > largest.size()) largest = std::move(cluster);
+  }
+  std::sort(largest.begin(), largest.end());
+  return largest;
+}
 
 FusedPose FusePoses(const std::vector<PoseEstimate>& estimates) {
   using Vector6 = Eigen::Matrix<double, 6, 1>;

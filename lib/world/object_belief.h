@@ -31,8 +31,10 @@ struct PoseHypothesis {
   Eigen::Matrix<double, 6, 6> covariance{Eigen::Matrix<double, 6, 6>::Zero()};
   std::vector<ViewEvidence> evidence;  ///< One per view that could see it, in the order of views.
   double support{};                    ///< Of all views together, in [0, 1].
-  bool struck{};                       ///< A view contradicts it: out of the question.
-  std::string reason;                  ///< Which view struck it and why.
+  double
+      likely_free{};   ///< Share of its surface that lies where the map is likely free, in [0, 1].
+  bool struck{};       ///< A view or the map contradicts it: out of the question.
+  std::string reason;  ///< What struck it and why.
 
   /// The view that shows it best: of those that accept it, or of all when none does, the one with
   /// the most matching pixels. Null without evidence.

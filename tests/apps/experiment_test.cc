@@ -157,5 +157,21 @@ TEST_F(Trials, OfRecognitionJudgeEveryObjectOfEveryView) {
   EXPECT_NEAR(result["rows"][2]["paper"], 0.752, 5e-4);
 }
 
+TEST_F(Trials, OfPoseAveragingGetNearerWithMoreViews) {
+  options_.trials = 1;
+  options_.views = 5;
+  options_.models = "sim/models";
+  RunPoseAveragingExperiment(options_);
+  const Json result = Written();
+  const Json& fused = result["details"][0]["fused"];
+  ASSERT_EQ(fused.size(), 3U) << "after 1, 2 and 5 views";
+  EXPECT_EQ(fused[2]["views"], 5);
+  EXPECT_EQ(fused[0]["mean"], fused[0]["weighted"]) << "of one view";
+  for (const char* method : {"mean", "weighted", "joint"}) {
+    ASSERT_FALSE(fused[2][method].is_null()) << method;
+    EXPECT_LT(fused[2][method]["error_mm"], 4.0) << method;
+  }
+}
+
 }  // namespace
 }  // namespace secondlook::apps

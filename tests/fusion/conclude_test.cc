@@ -7,6 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "lib/common/error.h"
+#include "tests/support/expect_throws.h"
+
 namespace secondlook::fusion {
 namespace {
 
@@ -75,6 +78,28 @@ TEST(Conclude, IsSettledByTheViewThatTellsLookAlikesApart) {
   EXPECT_EQ(object.Best()->model, "oat");
   EXPECT_TRUE(object.hypotheses.back().struck);
   EXPECT_EQ(object.hypotheses.back().reason, "view 1 contradicts it: see-through 40 %");
+}
+
+TEST(Conclude, StrikesWhatTheMapKnowsToBeFree) {
+  PoseHypothesis mug = Hypothesis("mug", 0, {View(0, 0.97)});
+  mug.likely_free = 0.32;
+  EXPECT_EQ(Object({mug}, 1).state, ObjectState::kVerified);
+  mug.likely_free = 0.41;
+  const ObjectBelief object = Object({mug}, 1);
+  EXPECT_EQ(object.state, ObjectState::kCandidate);
+  EXPECT_EQ(object.Best(), nullptr);
+  EXPECT_EQ(object.hypotheses.front().reason,
+            "the map contradicts it: 41 % of it lies in likely free space");
+}
+
+TEST(ConcludeConfig, NamesTheValueThatIsOutOfRange) {
+  EXPECT_NO_THROW(ConcludeConfig().Validate());
+  ConcludeConfig config;
+  config.view_reliability = 1.2;
+  EXPECT_THROWS(config.Validate(), ConfigError, "view_reliability = 1.2 must be between 0 and 1");
+  config = {};
+  config.max_likely_free = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROWS(config.Validate(), ConfigError, "max_likely_free = nan");
 }
 
 TEST(Conclude, LeavesAPoseOpenThatHasARival) {

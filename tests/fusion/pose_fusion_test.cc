@@ -50,6 +50,15 @@ TEST(FusePoses, TakesADirectionFromTheViewThatHoldsIt) {
   EXPECT_NEAR(fused.X_WM.translation().y(), 0.0, 1e-5);
 }
 
+TEST(LargestCluster, GoesFromNeighbourToNeighbour) {
+  // Two chains and a loner; neighbours are less than 1.5 apart.
+  const std::vector<double> at{0.0, 10.0, 1.0, 11.0, 2.0, 50.0, 3.0};
+  const auto near = [&](int a, int b) { return std::abs(at[a] - at[b]) < 1.5; };
+  EXPECT_EQ(LargestCluster(7, near), (std::vector<int>{0, 2, 4, 6}));
+  EXPECT_EQ(LargestCluster(4, near), (std::vector<int>{0, 2})) << "of two as large, the first";
+  EXPECT_EQ(LargestCluster(0, near), std::vector<int>{});
+}
+
 TEST(FusePoses, RefusesNothingAndNonsense) {
   EXPECT_THROWS(FusePoses({}), InvalidArgument, "no pose to fuse");
   PoseEstimate broken;

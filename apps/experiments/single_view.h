@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "apps/experiments/free_camera.h"
+#include "lib/perception/recognition_model.h"
+#include "lib/world/hypothesis.h"
+#include "lib/world/object_database.h"
+#include "lib/world/observation.h"
+
+namespace secondlook::apps {
+
+/// What a mission's segmentation and recognition make of one view, all by itself.
+std::vector<world::Detection> Detect(const Photo& photo, const geometry::CameraModel& camera,
+                                     const std::vector<perception::RecognitionModel>& models);
+
+/// The hypotheses that are beyond doubt (perception::ChooseHypotheses).
+std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detections);
+
+/// The models of the objects in `scene`, ready for recognition.
+/// @throws ConfigError for an object that `database` does not hold.
+std::vector<perception::RecognitionModel> ModelsOf(const sim::Scene& scene,
+                                                   const world::ObjectDatabase& database);
+
+}  // namespace secondlook::apps

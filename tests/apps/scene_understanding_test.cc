@@ -1,0 +1,144 @@
+#include "apps/scene_understanding.h"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/experiments/free_camera.h"
+
+namespace secondlook::apps {
+namespace {
+
+using Eigen::Vector3d;
+using testing::HasSubstr;
+using world::ObjectBelief;
+using world::ObjectState;
+
+sim::SceneObject Known(const std::string& name, double x, double y, double yaw_deg) {
+  sim::SceneObject object;
+  object.mesh = "sim/models/" + name + "/mesh.obj";
+  object.name = name;
+  object.position = {x, y};
+  object.yaw_deg = yaw_deg;
+  return object;
+}
+
+world::ObjectDatabase Shipped(const std::vector<std::string>& names) {
+  std::vector<world::ObjectModel> models;
+  for (const std::string& name : names) models.push_back(world::ReadModel("sim/models/" + name));
+  return world::ObjectDatabase(std::move(models));
+}
+
+/// A small table with `objects`, seen by a camera that knows where it is.
+class Table {
+ public:
+  explicit Table(std::vector<sim::SceneObject> objects)
+      : scene_(SceneWith(std::move(objects))), camera_(scene_, 1) {}
+
+  Capture From(double azimuth_deg) {
+    const double azimuth = azimuth_deg * 3.14159265 / 180.0;
+    const Vector3d eye(0.85 * std::cos(azimuth), 0.85 * std::sin(azimuth), 1.3);
+    const Photo photo = camera_.Take(LookAt(eye, {0.0, 0.0, 0.8}));
+    return {photo.frame, camera_.info().model, photo.X_WC, Vector3d(0.0, 0.0, -eye.z())};
+  }
+
+  Vector3d CenterOf(int index) const {
+    const sim::PlacedObject& object = camera_.world().objects()[index];
+    return object.X_WM * geometry::Bounds(object.mesh).center();
+  }
+
+ private:
+  static sim::Scene SceneWith(std::vector<sim::SceneObject> objects) {
+    sim::Scene scene;
+    scene.table.size = {0.8, 0.6};
+    scene.objects = std::move(objects);
+    return scene;
+  }
+
+  sim::Scene scene_;
+  FreeCamera camera_;
+};
+
+std::vector<const ObjectBelief*> Verified(const SceneUnderstanding& understanding,
+                                          const std::string& model) {
+  std::vector<const ObjectBelief*> verified;
+  for (const ObjectBelief& object : understanding.belief().objects) {
+    if (object.state == ObjectState::kVerified && object.Best()->model == model) {
+      verified.push_back(&object);
+    }
+  }
+  return verified;
+}
+
+/// How far the verified object's centre is from `p_W` [m].
+double DistanceTo(const Vector3d& p_W, const ObjectBelief& object, const std::string& model) {
+  const geometry::Mesh mesh = world::ReadModel("sim/models/" + model).mesh;
+  return (object.Best()->X_WM * geometry::Bounds(mesh).center() - p_W).norm();
+}
+
+TEST(SceneUnderstanding, TellsTwoOfOneModelApartOverTheViews) {
+  Table table({Known("tea_box", -0.1, 0.05, 20.0), Known("tea_box", 0.12, -0.05, 75.0)});
+  SceneUnderstanding understanding({}, {}, Shipped({"tea_box", "mug"}));
+  for (const double azimuth : {0.0, 80.0, 170.0, 260.0}) {
+    ASSERT_EQ(understanding.Add(table.From(azimuth)), "");
+  }
+  const auto boxes = Verified(understanding, "tea_box");
+  ASSERT_EQ(boxes.size(), 2U);
+  for (const int i : {0, 1}) {
+    EXPECT_LT(std::min(DistanceTo(table.CenterOf(i), *boxes[0], "tea_box"),
+                       DistanceTo(table.CenterOf(i), *boxes[1], "tea_box")),
+              0.01)
+        << i;
+  }
+  for (const ObjectBelief* box : boxes) EXPECT_EQ(box->sightings.size(), 4U);
+}
+
+TEST(SceneUnderstanding, UnlearnsThePlaceOfWhatWasMovedBetweenLooks) {
+  const std::vector<std::string> names{"tea_box", "mug", "soup_can"};
+  Table before({Known("tea_box", -0.2, 0.0, 20.0), Known("mug", 0.15, 0.15, 0.0),
+                Known("soup_can", 0.2, -0.15, 0.0)});
+  Table after({Known("tea_box", -0.02, -0.18, 65.0), Known("mug", 0.15, 0.15, 0.0),
+               Known("soup_can", 0.2, -0.15, 0.0)});
+  SceneUnderstanding understanding({}, {}, Shipped(names));
+  for (const double azimuth : {0.0, 80.0, 200.0}) {
+    ASSERT_EQ(understanding.Add(before.From(azimuth)), "");
+  }
+  ASSERT_EQ(Verified(understanding, "tea_box").size(), 1U);
+  const int id = Verified(understanding, "tea_box")[0]->id;
+  EXPECT_EQ(understanding.space().At(before.CenterOf(0)), world::Occupancy::kOccupied);
+
+  for (const double azimuth : {30.0, 120.0, 240.0}) {
+    ASSERT_EQ(understanding.Add(after.From(azimuth)), "");
+  }
+  const ObjectBelief& moved = understanding.belief().objects[id];
+  EXPECT_EQ(moved.state, ObjectState::kRejected);
+  EXPECT_EQ(moved.reason, "is gone from its place: view 3 sees through it");
+  EXPECT_NE(understanding.space().At(before.CenterOf(0)), world::Occupancy::kOccupied);
+  const auto boxes = Verified(understanding, "tea_box");
+  ASSERT_EQ(boxes.size(), 1U);
+  EXPECT_NE(boxes[0]->id, id) << "it is declared new";
+  EXPECT_LT(DistanceTo(after.CenterOf(0), *boxes[0], "tea_box"), 0.01);
+  EXPECT_EQ(understanding.space().At(after.CenterOf(0)), world::Occupancy::kOccupied);
+  for (const char* still : {"mug", "soup_can"}) {
+    EXPECT_EQ(Verified(understanding, still).size(), 1U) << still;
+  }
+}
+
+TEST(SceneUnderstanding, BelievesNoViewThatSeesThroughMostOfWhatStandsThere) {
+  const std::vector<std::string> names{"tea_box", "mug", "soup_can"};
+  Table table({Known("tea_box", -0.2, 0.0, 20.0), Known("mug", 0.15, 0.15, 0.0),
+               Known("soup_can", 0.2, -0.15, 0.0)});
+  Table cleared({});
+  SceneUnderstanding understanding({}, {}, Shipped(names));
+  for (const double azimuth : {0.0, 80.0}) {
+    ASSERT_EQ(understanding.Add(table.From(azimuth)), "");
+  }
+  EXPECT_THAT(understanding.Add(cleared.From(150.0)), HasSubstr("it sees through verified objects"));
+  EXPECT_EQ(understanding.belief().views.size(), 2U);
+  EXPECT_EQ(Verified(understanding, "tea_box").size(), 1U);
+}
+
+}  // namespace
+}  // namespace secondlook::apps
