@@ -11,7 +11,7 @@ namespace {
 using world::Hypothesis;
 
 constexpr int kProbes = 200;
-constexpr float kSkin = 0.008F;       // what touches, as it was measured, stands in less [m]
+constexpr float kSkin = 0.008F;      // what touches, as it was measured, stands in less [m]
 constexpr double kMostInside = 0.2;  // of the points of either
 
 const RecognitionModel& ModelOf(const std::vector<RecognitionModel>& models,

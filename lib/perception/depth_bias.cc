@@ -44,8 +44,7 @@ DepthBias::DepthBias(const std::vector<float>& difference, const std::vector<cha
     Eigen::Matrix<double, 6, 6> normal_matrix = usual.cwiseAbs2().cwiseInverse().asDiagonal();
     Vector6 right_side = Vector6::Zero();
     for (const Eigen::Vector3d& sample : samples) {
-      const Vector6 terms =
-          Terms(static_cast<int>(sample.x()), static_cast<int>(sample.y()));
+      const Vector6 terms = Terms(static_cast<int>(sample.x()), static_cast<int>(sample.y()));
       const double e = (sample.z() - terms.dot(coefficients_)) / gate;
       const double weight = share / (kNoise * kNoise) / ((1.0 + 4.0 * e * e) * (1.0 + 4.0 * e * e));
       normal_matrix += weight * terms * terms.transpose();

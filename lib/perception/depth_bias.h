@@ -9,11 +9,11 @@
 namespace secondlook::perception {
 
 /// What a real depth camera and a real specimen add to the depth of one object: a smooth function
-/// of the place, not noise. Structured light is off by a share of a percent that changes slowly over
-/// the image (Khoshelham and Oude Elberink 2012, Accuracy and Resolution of Kinect Depth Data for
-/// Indoor Mapping Applications), boxes bulge, and a pose is a little tilted.
-/// A polynomial of second order in the place on the object. Its coefficients are held to zero by
-/// what is usual: so a large object may be bent by millimetres, and a small one keeps its shape.
+/// of the place, not noise. Structured light is off by a share of a percent that changes slowly
+/// over the image (Khoshelham and Oude Elberink 2012, Accuracy and Resolution of Kinect Depth Data
+/// for Indoor Mapping Applications), boxes bulge, and a pose is a little tilted. A polynomial of
+/// second order in the place on the object. Its coefficients are held to zero by what is usual: so
+/// a large object may be bent by millimetres, and a small one keeps its shape.
 class DepthBias {
  public:
   /// Fits the bias to `difference` (measured minus rendered depth [m] by pixel of `window`, NaN =

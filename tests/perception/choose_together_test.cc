@@ -15,9 +15,9 @@ const Eigen::Vector3f kRed(0.8F, 0.1F, 0.1F);
 class Choosing : public ::testing::Test {
  protected:
   static const std::vector<RecognitionModel>& Models() {
-    static const std::vector<RecognitionModel> models = TrainModels(
-        world::ObjectDatabase({MakeBoxModel("crate", {0.2, 0.12, 0.1}, kGrey, kGrey),
-                               MakeBoxModel("cube", {0.05, 0.05, 0.05}, kRed, kRed)}));
+    static const std::vector<RecognitionModel> models =
+        TrainModels(world::ObjectDatabase({MakeBoxModel("crate", {0.2, 0.12, 0.1}, kGrey, kGrey),
+                                           MakeBoxModel("cube", {0.05, 0.05, 0.05}, kRed, kRed)}));
     return models;
   }
 
@@ -44,18 +44,17 @@ class Choosing : public ::testing::Test {
 };
 
 TEST_F(Choosing, KeepsThingsThatStandSideBySide) {
-  const auto choices = Choose({Of({At("crate", 0.0, 0.0, 0.99, 5000)}),
-                               Of({At("cube", 0.128, 0.0, 0.99, 500)})});
+  const auto choices =
+      Choose({Of({At("crate", 0.0, 0.0, 0.99, 5000)}), Of({At("cube", 0.128, 0.0, 0.99, 500)})});
   EXPECT_EQ(choices[0].hypothesis, 0);
   EXPECT_EQ(choices[1].hypothesis, 0);
 }
 
 TEST_F(Choosing, LetsNothingStandInSomethingBetterSeen) {
-  const auto choices = Choose({Of({At("cube", 0.06, 0.0, 0.999, 500)}),
-                               Of({At("crate", 0.0, 0.0, 0.99, 5000)})});
+  const auto choices =
+      Choose({Of({At("cube", 0.06, 0.0, 0.999, 500)}), Of({At("crate", 0.0, 0.0, 0.99, 5000)})});
   EXPECT_EQ(choices[0].hypothesis, -1);
-  EXPECT_EQ(choices[0].reason,
-            "cube (score 0.999) would stand in the crate (score 0.990)");
+  EXPECT_EQ(choices[0].reason, "cube (score 0.999) would stand in the crate (score 0.990)");
   EXPECT_EQ(choices[1].hypothesis, 0);
 }
 
@@ -69,16 +68,16 @@ TEST_F(Choosing, SettlesByWhatStandsBesideItWhatIsOpenAlone) {
 }
 
 TEST_F(Choosing, CountsAThingCutInTwoOnce) {
-  const auto choices = Choose({Of({At("crate", 0.0, 0.0, 0.99, 800)}),
-                               Of({At("crate", 0.003, 0.0, 0.99, 3000)})});
+  const auto choices =
+      Choose({Of({At("crate", 0.0, 0.0, 0.99, 800)}), Of({At("crate", 0.003, 0.0, 0.99, 3000)})});
   EXPECT_EQ(choices[0].hypothesis, -1);
   EXPECT_EQ(choices[0].reason, "is a part of the crate beside it");
   EXPECT_EQ(choices[1].hypothesis, 0);
 }
 
 TEST_F(Choosing, CountsTwoOfAKindTwice) {
-  const auto choices = Choose({Of({At("cube", 0.0, 0.0, 0.99, 800)}),
-                               Of({At("cube", 0.052, 0.0, 0.99, 900)})});
+  const auto choices =
+      Choose({Of({At("cube", 0.0, 0.0, 0.99, 800)}), Of({At("cube", 0.052, 0.0, 0.99, 900)})});
   EXPECT_EQ(choices[0].hypothesis, 0);
   EXPECT_EQ(choices[1].hypothesis, 0);
 }

@@ -46,8 +46,8 @@ TEST(DepthBias, LeavesAStepInTheShapeAlone) {
 
 TEST(DepthBias, HoldsASmallThingToItsShape) {
   // A bend of 5 mm over a centimetre is another shape, not a bias.
-  std::vector<float> difference =
-      Draw([](double u, double v) { return std::hypot(u, v) < 0.01 ? 50.0 * u * u : std::nan(""); });
+  std::vector<float> difference = Draw(
+      [](double u, double v) { return std::hypot(u, v) < 0.01 ? 50.0 * u * u : std::nan(""); });
   EXPECT_NEAR(Fit(difference).At(109, 80), 0.0, 5e-4);
 }
 
