@@ -52,6 +52,7 @@ struct UnderstandingConfig {
 
   /// @throws ConfigError naming the value.
   void Validate() const {
+    recognise.Validate();
     RequireAtLeast("depth_stride", depth_stride, 1);
     RequireAtLeast("floor_clearance_m", floor_clearance_m, 0);
     RequireAtLeast("footprint_cell_m", footprint_cell_m, 0.001);

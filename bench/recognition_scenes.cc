@@ -113,7 +113,7 @@ class Bench {
         perception::MakeView(color, depth, camera, *segmentation.plane_C, segmentation.clusters);
     const perception::RecogniseConfig config;
     const auto detections = perception::Recognise(view, segmentation.clusters, trained_, config);
-    const auto choices = perception::ChooseHypotheses(detections, config);
+    const auto choices = perception::ChooseHypotheses(detections, trained_, config);
     totals->seconds += CpuSeconds() - segmented;
     totals->clusters += static_cast<int>(detections.size());
 

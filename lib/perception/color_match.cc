@@ -17,6 +17,9 @@ constexpr double kMostShading = 0.8;
 constexpr double kLeastContrast = 0.7;
 constexpr double kMostContrast = 1.6;
 constexpr double kMostBalance = 0.06;
+constexpr double kLeastSaturation = 0.8;
+constexpr double kMostSaturation = 1.4;
+constexpr float kClipped = 0.98F;  // from here on, a value says only that it is at least so bright
 
 /// Offset, slope along the normal (three) and contrast.
 using Lighting = Eigen::Matrix<double, 5, 1>;
@@ -33,6 +36,25 @@ Tone SharesOf(const Eigen::Vector3f& rgb) {
   const float sum = v.sum() + 3.0F * kDark;
   return {std::log(0.3F * v[0] + 0.59F * v[1] + 0.11F * v[2] + kDark), (v[0] + kDark) / sum,
           (v[2] + kDark) / sum};
+}
+
+/// Takes out of `difference` (measured less expected) what a clipped picture cannot say: of a value
+/// at its limit only the lower bound is known. What is clipped in all three is white as it stands.
+Eigen::Vector3d WithoutClipping(Eigen::Vector3d difference, const Eigen::Vector3f& measured) {
+  const bool red = measured[0] >= kClipped;
+  const bool green = measured[1] >= kClipped;
+  const bool blue = measured[2] >= kClipped;
+  if (red && green && blue) return difference;
+  if (red || green || blue) difference[0] = std::max(0.0, difference[0]);
+  const auto bound = [](double share, bool own, bool other) {
+    if (own && other) return 0.0;
+    if (own) return std::max(0.0, share);    // its true share is larger
+    if (other) return std::min(0.0, share);  // its true share is smaller
+    return share;
+  };
+  difference[1] = bound(difference[1], red, green || blue);
+  difference[2] = bound(difference[2], blue, red || green);
+  return difference;
 }
 
 double Median(std::vector<double> values) {
@@ -91,6 +113,32 @@ Lighting FitLighting(const std::vector<Tone>& measured, const std::vector<Tone>&
   return light;
 }
 
+/// By how much the camera strengthens colours: the slope of the measured shares over the modelled
+/// ones about grey, by iteratively reweighted least squares with a prior of 1; bounded.
+double FitSaturation(const std::vector<Tone>& measured, const std::vector<Tone>& modelled,
+                     double red_offset, double blue_offset) {
+  constexpr double kGrey = 1.0 / 3.0;
+  constexpr double kPrior = 0.1;  // of the pairs, each as colourful as a shade of usual noise
+  const double prior = kPrior * static_cast<double>(measured.size()) * kShare * kShare;
+  double slope = 1.0;
+  for (int round = 0; round < 3; ++round) {
+    double up = prior;
+    double down = prior;
+    const auto add = [&](double share, double expected) {
+      const double e = (share - slope * expected) / kShare;
+      const double weight = 1.0 / ((1.0 + e * e) * (1.0 + e * e));
+      up += weight * share * expected;
+      down += weight * expected * expected;
+    };
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      add(measured[i].red - red_offset - kGrey, modelled[i].red - kGrey);
+      add(measured[i].blue - blue_offset - kGrey, modelled[i].blue - kGrey);
+    }
+    slope = std::clamp(up / down, kLeastSaturation, kMostSaturation);
+  }
+  return slope;
+}
+
 }  // namespace
 
 Eigen::Vector3f MeanColor(const cv::Mat& color, int x, int y) {
@@ -124,13 +172,22 @@ std::vector<Eigen::Vector3d> ToneDifferences(const std::vector<ColorPair>& pairs
     blue.push_back(measured.back().blue - modelled.back().blue);
   }
   const Lighting light = FitLighting(measured, modelled, pairs);
-  const double red_offset = std::clamp(Median(red), -kMostBalance, kMostBalance);
-  const double blue_offset = std::clamp(Median(blue), -kMostBalance, kMostBalance);
+  const auto balance = [](const std::vector<double>& off) {
+    return std::clamp(Median(off), -kMostBalance, kMostBalance);
+  };
+  const double saturation = FitSaturation(measured, modelled, balance(red), balance(blue));
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    red[i] -= (saturation - 1.0) * (modelled[i].red - 1.0 / 3.0);
+    blue[i] -= (saturation - 1.0) * (modelled[i].blue - 1.0 / 3.0);
+  }
+  const double red_offset = balance(red);
+  const double blue_offset = balance(blue);
   std::vector<Eigen::Vector3d> differences;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    differences.emplace_back(
+    const Eigen::Vector3d difference(
         (measured[i].lightness - light.dot(RowOf(pairs[i], modelled[i].lightness))) / kLightness,
         (red[i] - red_offset) / kShare, (blue[i] - blue_offset) / kShare);
+    differences.push_back(WithoutClipping(difference, pairs[i].measured));
   }
   return differences;
 }

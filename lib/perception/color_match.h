@@ -29,9 +29,11 @@ std::vector<Eigen::Vector3d> ToneDifferences(const std::vector<ColorPair>& pairs
 /// Compared are log-lightness and the shares of red and blue. Before that, what light and camera
 /// may have done is fitted robustly and taken out: a lightness that depends linearly on the normal
 /// (exposure, shading; bounded to a factor of about 3) and on the model's own lightness (contrast;
-/// bounded to 0.7 … 1.6), and an offset of each share (white balance; bounded, so that red does not
-/// become blue). The agreement of a pair is exp(-e^2 / 2) with e its remaining difference in units
-/// of what noise, highlights and shadows make usual; the result is the mean.
+/// bounded to 0.7 … 1.6), a common factor of the shares about grey (saturation; bounded to
+/// 0.8 … 1.4), and an offset of each share (white balance; bounded, so that red does not become
+/// blue). Of a value clipped by the picture only the lower bound counts. The agreement of a pair is
+/// exp(-e^2 / 2) with e its remaining difference in units of what noise, highlights and shadows
+/// make usual; the result is the mean.
 double CompareColors(const std::vector<ColorPair>& pairs);
 
 }  // namespace secondlook::perception

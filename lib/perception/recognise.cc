@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "lib/common/error.h"
 #include "lib/common/parallel.h"
 #include "lib/perception/hypothesise.h"
 #include "lib/perception/refine.h"
@@ -96,12 +97,56 @@ std::vector<Hypothesis> Examine(const RecognitionModel& model,
   return KeepDistinct(std::move(hypotheses), model, config.hypotheses_per_model);
 }
 
+/// True when nothing needs to tell two poses of one model apart: surfaces and colours coincide, but
+/// for a fiftieth of the points.
+bool LooksAlike(const std::vector<RecognitionModel>& models, const Hypothesis& a,
+                const Hypothesis& b) {
+  constexpr std::size_t kPoints = 300;
+  constexpr float kDistance = 0.003F;     // [m]
+  constexpr float kColorDistance = 0.2F;  // of the largest difference of RGB in [0, 1]
+  const auto model = std::find_if(models.begin(), models.end(),
+                                  [&](const RecognitionModel& m) { return m.name == a.model; });
+  if (model == models.end()) return false;
+  const Pose X_AB = a.X_CM.inverse() * b.X_CM;
+  const Eigen::Matrix3f R = X_AB.linear().cast<float>();
+  const Eigen::Vector3f t = X_AB.translation().cast<float>();
+  const std::size_t count = std::min(kPoints, model->points.size());
+  std::size_t differing = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3f p = R * model->points[i].point + t;
+    const auto nearest =
+        std::min_element(model->points.begin(), model->points.end(),
+                         [&](const ModelPoint& one, const ModelPoint& other) {
+                           return (one.point - p).squaredNorm() < (other.point - p).squaredNorm();
+                         });
+    // Along the normal: the spacing of the points is no distance.
+    const float off = std::abs(nearest->normal.dot(p - nearest->point));
+    const float color = (nearest->color - model->points[i].color).cwiseAbs().maxCoeff();
+    if (off > kDistance || color > kColorDistance) ++differing;
+  }
+  return count > 0 && 50 * differing <= count;
+}
+
 double LogOdds(double score) {
   const double bounded = std::clamp(score, 1e-15, 1.0 - 1e-15);
   return std::log(bounded / (1.0 - bounded));
 }
 
 }  // namespace
+
+void RecogniseConfig::Validate() const {
+  const auto check = [](double value, double low, double high, const char* name) {
+    if (!(value >= low && value <= high)) {
+      Throw<ConfigError>("{} = {} must lie in {}..{}", name, value, low, high);
+    }
+  };
+  verify.Validate();
+  check(guesses_per_model, 1, 1000, "guesses_per_model");
+  check(hypotheses_per_model, 1, 1000, "hypotheses_per_model");
+  check(min_guess_share, 0.0, 1.0, "min_guess_share");
+  check(min_score, 0.0, 1.0, "min_score");
+  check(min_lead, 0.0, 100.0, "min_lead");
+}
 
 std::vector<world::Detection> Recognise(const View& view,
                                         const std::vector<world::Cluster>& clusters,
@@ -170,6 +215,7 @@ std::vector<world::Detection> Recognise(const View& view,
 }
 
 std::vector<Choice> ChooseHypotheses(const std::vector<world::Detection>& detections,
+                                     const std::vector<RecognitionModel>& models,
                                      const RecogniseConfig& config) {
   std::vector<Choice> choices;
   for (const world::Detection& detection : detections) {
@@ -189,6 +235,7 @@ std::vector<Choice> ChooseHypotheses(const std::vector<world::Detection>& detect
         const Hypothesis& rival = detection.hypotheses[k];
         const double lead = LogOdds(h.score) - LogOdds(rival.score);
         if (k == i || lead >= config.min_lead) continue;
+        if (rival.model == h.model && LooksAlike(models, h, rival)) continue;
         choice.hypothesis = -1;
         choice.reason = fmt::format(
             "{} (score {:.3f}) is not enough ahead of {} (score {:.3f}): the log-odds differ by "

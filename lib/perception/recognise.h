@@ -30,6 +30,9 @@ struct RecogniseConfig {
     a->Visit("min_score", &min_score);
     a->Visit("min_lead", &min_lead);
   }
+
+  /// @throws ConfigError naming the value.
+  void Validate() const;
 };
 
 /// What each cluster of `view` may be: for every model poses are proposed, refined and verified;
@@ -49,8 +52,10 @@ struct Choice {
 };
 
 /// For each detection the hypothesis that is accepted and ahead of every rival by the lead: of
-/// every other model, and of the same model in another pose.
+/// every other model, and of the same model (of `models`) in another pose, unless its surface and
+/// colours nearly coincide there.
 std::vector<Choice> ChooseHypotheses(const std::vector<world::Detection>& detections,
+                                     const std::vector<RecognitionModel>& models,
                                      const RecogniseConfig& config);
 
 }  // namespace secondlook::perception

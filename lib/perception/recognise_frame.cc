@@ -1,5 +1,7 @@
 #include "lib/perception/recognise_frame.h"
 
+#include "lib/perception/choose_together.h"
+
 namespace secondlook::perception {
 
 FrameRecognition RecogniseFrame(const cv::Mat& color, const cv::Mat& depth,
@@ -13,7 +15,7 @@ FrameRecognition RecogniseFrame(const cv::Mat& color, const cv::Mat& depth,
   if (!found.plane_C) return found;
   const View view = MakeView(color, depth, camera, *found.plane_C, segmentation.clusters);
   found.detections = Recognise(view, segmentation.clusters, models, config);
-  found.choices = ChooseHypotheses(found.detections, config);
+  found.choices = ChooseTogether(found.detections, models, config);
   return found;
 }
 

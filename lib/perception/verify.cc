@@ -8,13 +8,20 @@
 
 #include <fmt/format.h>
 
+#include "lib/common/error.h"
 #include "lib/perception/color_match.h"
+#include "lib/perception/depth_bias.h"
 
 namespace secondlook::perception {
 namespace {
 
 using geometry::DepthRasteriser;
 using geometry::PixelRect;
+
+/// The error of pose and model [m], and that share of the diameter where it is more: a specimen
+/// differs from its scan, and a turn moves what is far from the centre, by its size.
+constexpr double kModelError = 0.004;
+constexpr double kSizeError = 0.025;
 
 /// Of a pixel of the window.
 enum class Seen : std::uint8_t {
@@ -63,6 +70,18 @@ std::vector<float> Differences(const DepthRasteriser& rendered, const View& view
     }
   }
   return difference;
+}
+
+/// Takes what bends smoothly over the object out of `difference`.
+void TakeOutBend(const std::vector<char>& inner, const PixelRect& window, double metres_per_pixel,
+                 double gate, std::vector<float>* difference) {
+  const DepthBias bias(*difference, inner, window, metres_per_pixel, gate);
+  for (int y = 0; y < window.height; ++y) {
+    for (int x = 0; x < window.width; ++x) {
+      (*difference)[static_cast<std::size_t>(y * window.width + x)] -=
+          static_cast<float>(bias.At(x, y));
+    }
+  }
 }
 
 /// The mean over 5 x 5 pixels of the differences that lie within `gate`.
@@ -184,6 +203,25 @@ std::string ReasonAgainst(const world::Verification& v, double inner, double exp
 
 }  // namespace
 
+void VerifyConfig::Validate() const {
+  const auto check = [](double value, double low, double high, const char* name) {
+    if (!(value >= low && value <= high)) {
+      Throw<ConfigError>("{} = {} must lie in {}..{}", name, value, low, high);
+    }
+  };
+  check(min_quality, 0.0, 1.0, "min_quality");
+  check(min_visible_px, 1, 1e6, "min_visible_px");
+  check(min_visible_fraction, 0.0, 1.0, "min_visible_fraction");
+  check(min_inner, 0.0, 1.0, "min_inner");
+  check(max_unmeasured, 0.0, 1.0, "max_unmeasured");
+  check(min_matching, 0.0, 1.0, "min_matching");
+  check(max_see_through, 0.0, 1.0, "max_see_through");
+  check(min_explained, 0.0, 1.0, "min_explained");
+  check(min_color_agreement, 0.0, 1.0, "min_color_agreement");
+  check(max_gap_m, 0.0, 1.0, "max_gap_m");
+  check(max_sink_m, 0.0, 1.0, "max_sink_m");
+}
+
 world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, const View& view,
                            int label, int cluster_pixels, const VerifyConfig& config,
                            DepthRasteriser* rasteriser, double* score) {
@@ -194,10 +232,12 @@ world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, cons
                      geometry::ImageBounds(model.mesh, X_CM, view.camera, 2));
   const PixelRect& window = rasteriser->window();
   const double z = std::max(0.1, (X_CM * model.center_M).z());
-  const double tolerance = DepthTolerance(z);
-  const double mean_tolerance = 0.004 + geometry::DepthSigma(z);
+  const double of_size = std::max(0.0, kSizeError * model.diameter - kModelError);
+  const double tolerance = DepthTolerance(z) + of_size;
+  const double mean_tolerance = kModelError + geometry::DepthSigma(z) + of_size;
   const std::vector<char> inner = WithoutRim(*rasteriser, 2.0 * tolerance);
-  const std::vector<float> difference = Differences(*rasteriser, view);
+  std::vector<float> difference = Differences(*rasteriser, view);
+  TakeOutBend(inner, window, z / view.camera.fx, 2.0 * tolerance, &difference);
   const std::vector<float> mean = Smooth(difference, window, static_cast<float>(2.0 * tolerance));
   std::vector<Seen> seen(difference.size(), Seen::kNothing);
   int explained_pixels = 0;

@@ -35,6 +35,9 @@ struct VerifyConfig {
     a->Visit("max_gap_m", &max_gap_m);
     a->Visit("max_sink_m", &max_sink_m);
   }
+
+  /// @throws ConfigError naming the value.
+  void Validate() const;
 };
 
 /// Renders `model` at X_CM and compares it with `view`, to explain the cluster `label`, which has
@@ -45,7 +48,9 @@ struct VerifyConfig {
 /// nearer than the surface, and not of the same cluster, is hidden: it is not counted in N_r, where
 /// the paper counts every rendered pixel, so that an object half behind another can pass. What
 /// matches agrees with the measurement within DepthTolerance() and, averaged over 5 x 5 pixels,
-/// within a tighter one, which tells nearly equal shapes apart where single pixels are noise.
+/// within a tighter one, which tells nearly equal shapes apart where single pixels are noise; from
+/// both, what bends smoothly over the object is taken out first (DepthBias). For large models both
+/// tolerances grow with the diameter.
 /// `*score` becomes ScoreOf() the result. @pre model is not empty.
 world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, const View& view,
                            int label, int cluster_pixels, const VerifyConfig& config,

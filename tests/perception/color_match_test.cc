@@ -66,6 +66,40 @@ TEST(CompareColors, TellsAShuffledPrintFromTheRightOne) {
   EXPECT_LT(CompareColors(pairs), right - 0.3);
 }
 
+TEST(CompareColors, TakesTheSaturationOfTheCameraOut) {
+  for (const float saturation : {0.85F, 1.3F}) {
+    std::vector<ColorPair> pairs = Print(4, {0.8F, 0.8F, 0.8F}, 0.01);
+    const double plain = CompareColors(pairs);
+    for (ColorPair& pair : pairs) {
+      const float grey = pair.measured.mean();
+      pair.measured = (grey + saturation * (pair.measured.array() - grey)).cwiseMax(0.0F).matrix();
+    }
+    EXPECT_GT(CompareColors(pairs), plain - 0.12) << saturation;
+  }
+}
+
+TEST(CompareColors, HoldsTheHueOfAClippedHighlightAgainstNoColour) {
+  // Two fifths of a yellow thing shine: red and green end at 1, so the share of blue rises.
+  std::vector<ColorPair> pairs = Print(5, {1, 1, 1}, 0.01);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const float highlight = i % 5 < 2 ? 0.5F : 0.0F;
+    pairs[i].modelled = {0.8F, 0.65F, 0.2F};
+    pairs[i].measured = (pairs[i].modelled.array() + highlight).cwiseMin(1.0F).matrix();
+  }
+  // Only their lightness counts, off by ln(1.05 / 0.73) = 0.36 or 1.2 units: 0.6 + 0.4 exp(-0.72).
+  EXPECT_NEAR(CompareColors(pairs), 0.79, 0.04);
+}
+
+TEST(CompareColors, StillTellsAnotherColourFromAClippedOne) {
+  // White that is clipped in all three is no yellow.
+  std::vector<ColorPair> pairs = Print(6, {1, 1, 1}, 0.01);
+  for (ColorPair& pair : pairs) {
+    pair.modelled = {0.8F, 0.65F, 0.05F};
+    pair.measured = {1.0F, 1.0F, 1.0F};
+  }
+  EXPECT_LT(CompareColors(pairs), 0.3);
+}
+
 TEST(CompareColors, OfTooFewPairsSaysNothing) {
   std::vector<ColorPair> pairs = Print(3, {1, 1, 1}, 0.01);
   pairs.resize(19);

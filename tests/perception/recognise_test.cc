@@ -39,7 +39,7 @@ class Recognising : public ::testing::Test {
   static std::string Chosen(const SyntheticView& scene, const std::vector<RecognitionModel>& models,
                             world::Hypothesis* chosen) {
     const auto detections = Recognise(scene.view, scene.clusters, models, config_);
-    const auto choices = ChooseHypotheses(detections, config_);
+    const auto choices = ChooseHypotheses(detections, models, config_);
     if (choices.at(0).hypothesis < 0) return choices[0].reason;
     *chosen = detections[0].hypotheses[static_cast<std::size_t>(choices[0].hypothesis)];
     return chosen->model;
@@ -104,7 +104,7 @@ TEST_F(Recognising, DoesNotTakeAnUnknownThingForAKnownOne) {
     const SyntheticView scene =
         DrawView({{&Model("ell"), Upright(0.0, 0.0, 1.5 * i)}}, 0.4, true, &rng);
     const auto detections = Recognise(scene.view, scene.clusters, others, config_);
-    EXPECT_EQ(ChooseHypotheses(detections, config_).at(0).hypothesis, -1);
+    EXPECT_EQ(ChooseHypotheses(detections, Models(), config_).at(0).hypothesis, -1);
     EXPECT_FALSE(detections.at(0).reason.empty());
   }
 }
@@ -173,6 +173,40 @@ TEST_F(Recognising, RefusesImagesThatDoNotFitTheCamera) {
                 InvalidArgument, "cluster 0 has pixel 307200");
 }
 
+TEST(RecogniseConfig, NamesTheValueThatIsOutOfRange) {
+  RecogniseConfig config;
+  EXPECT_NO_THROW(config.Validate());
+  config.guesses_per_model = 0;
+  EXPECT_THROWS(config.Validate(), ConfigError, "guesses_per_model = 0 must lie in 1..1000");
+  config = {};
+  config.min_score = std::nan("");
+  EXPECT_THROWS(config.Validate(), ConfigError, "min_score = nan must lie in 0..1");
+  config = {};
+  config.verify.min_matching = 85;
+  EXPECT_THROWS(config.Validate(), ConfigError, "min_matching = 85 must lie in 0..1");
+}
+
+TEST_F(Recognising, TakesPosesThatNothingTellsApartForOne) {
+  const RecognitionModel& cube = Model("cube");
+  world::Hypothesis one;
+  one.model = "cube";
+  one.score = 0.99;
+  one.verification.accepted = true;
+  world::Hypothesis turned = one;
+  turned.X_CM =
+      Pose(Eigen::Translation3d(cube.center_M) * Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitZ()) *
+           Eigen::Translation3d(-cube.center_M));
+  world::Detection detection;
+  detection.hypotheses = {one, turned};
+  // The corners of a cube of 5 cm move by 1 mm in 0.03 rad, and by 10 mm in 0.3 rad.
+  EXPECT_EQ(ChooseHypotheses({detection}, Models(), config_)[0].hypothesis, 0);
+  detection.hypotheses[1].X_CM =
+      Pose(Eigen::Translation3d(cube.center_M) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()) *
+           Eigen::Translation3d(-cube.center_M));
+  EXPECT_THAT(ChooseHypotheses({detection}, Models(), config_)[0].reason,
+              ::testing::HasSubstr("is not enough ahead of another pose of it"));
+}
+
 TEST(ChooseHypotheses, TakesWhatIsAcceptedAndAheadOfEveryRival) {
   world::Detection detection;
   world::Hypothesis mug;
@@ -184,17 +218,17 @@ TEST(ChooseHypotheses, TakesWhatIsAcceptedAndAheadOfEveryRival) {
   bowl.score = 0.5;
   detection.hypotheses = {mug, bowl};
   const RecogniseConfig config;
-  EXPECT_EQ(ChooseHypotheses({detection}, config)[0].hypothesis, 0);
+  EXPECT_EQ(ChooseHypotheses({detection}, {}, config)[0].hypothesis, 0);
 
   detection.hypotheses[1].score = 0.985;
-  const Choice close = ChooseHypotheses({detection}, config)[0];
+  const Choice close = ChooseHypotheses({detection}, {}, config)[0];
   EXPECT_EQ(close.hypothesis, -1);
   EXPECT_THAT(close.reason, ::testing::HasSubstr("mug (score 0.990) is not enough ahead of bowl"));
 
   detection.hypotheses = {mug};
   detection.hypotheses[0].verification.accepted = false;
   detection.reason = "nearest is mug: the camera sees through it";
-  const Choice none = ChooseHypotheses({detection}, config)[0];
+  const Choice none = ChooseHypotheses({detection}, {}, config)[0];
   EXPECT_EQ(none.hypothesis, -1);
   EXPECT_EQ(none.reason, detection.reason);
 }
