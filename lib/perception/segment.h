@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "lib/geometry/point_image.h"
+#include "lib/perception/split.h"
 #include "lib/world/observation.h"
 #include "lib/world/support_plane.h"
 
@@ -26,6 +27,8 @@ struct SegmentConfig {
   double edge_clearance_m = 0.02;  ///< How far beyond the plane's convex extent things may reach.
   double cluster_gap_m = 0.015;    ///< Things farther apart are two.
   int min_cluster_points = 80;     ///< Smaller clusters are noise.
+  bool split_touching = true;      ///< False: what touches is one cluster.
+  SplitConfig split;
 
   template <class A>
   void Serialize(A* a) {
@@ -39,6 +42,8 @@ struct SegmentConfig {
     a->Visit("edge_clearance_m", &edge_clearance_m);
     a->Visit("cluster_gap_m", &cluster_gap_m);
     a->Visit("min_cluster_points", &min_cluster_points);
+    a->Visit("split_touching", &split_touching);
+    a->Visit("split", &split);
   }
 };
 
