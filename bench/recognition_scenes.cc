@@ -17,6 +17,7 @@
 
 #include <fmt/format.h>
 
+#include "lib/common/pose.h"
 #include "lib/common/rng.h"
 #include "lib/perception/recognise.h"
 #include "lib/perception/segment.h"
@@ -53,17 +54,6 @@ struct Totals {
   int clusters{};
   double seconds{};
 };
-
-Pose LookAt(const Eigen::Vector3d& eye_W, const Eigen::Vector3d& target_W) {
-  const Eigen::Vector3d forward = (target_W - eye_W).normalized();
-  const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
-  Pose X_WC = Pose::Identity();
-  X_WC.linear().col(0) = right;
-  X_WC.linear().col(1) = forward.cross(right);
-  X_WC.linear().col(2) = forward;
-  X_WC.translation() = eye_W;
-  return X_WC;
-}
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 

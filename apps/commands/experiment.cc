@@ -1,6 +1,8 @@
 #include "apps/experiments/experiment.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <memory>
 #include <string>
 
@@ -10,8 +12,31 @@
 namespace secondlook::apps {
 namespace {
 
+struct Experiment {
+  const char* name;
+  void (*run)(const ExperimentOptions&);
+  int trials;  // unless told
+  int views;   // of each, likewise; 0: not asked for
+};
+
+constexpr Experiment kExperiments[] = {
+    {"missions", RunMissionsExperiment, 50, 0},
+    {"recognition", RunRecognitionExperiment, 10, 48},
+    {"real-frames", RunRealFramesExperiment, 1000000, 0},  // all that there are
+};
+
+/// The names of all, in words.
+std::string Names() {
+  std::string names;
+  for (const Experiment& e : kExperiments)
+    names += (names.empty() ? "" : ", ") + std::string(e.name);
+  return names;
+}
+
 struct Options {
   std::string name;
+  int trials{};  // 0: as many as the experiment usually has
+  int views{};
   std::string shard = "1/1";
   ExperimentOptions experiment;
 };
@@ -24,11 +49,16 @@ void Run(Options options) {
       experiment.shard < 1 || experiment.shard > experiment.shards) {
     Throw<InvalidArgument>("--shard {}: must be i/n with 1 <= i <= n, e.g. 1/4", options.shard);
   }
-  if (options.name != "missions") {
-    Throw<InvalidArgument>("there is no experiment '{}'; known: missions", options.name);
+  const auto* const known =
+      std::find_if(std::begin(kExperiments), std::end(kExperiments),
+                   [&](const Experiment& e) { return options.name == e.name; });
+  if (known == std::end(kExperiments)) {
+    Throw<InvalidArgument>("there is no experiment '{}'; known: {}", options.name, Names());
   }
+  experiment.trials = options.trials > 0 ? options.trials : known->trials;
+  experiment.views = options.views > 0 ? options.views : known->views;
   try {
-    RunMissionsExperiment(experiment);
+    known->run(experiment);
   } catch (const nlohmann::json::exception& error) {
     Throw<ConfigError>("{}: its trials cannot be read, so they cannot be resumed: {}",
                        experiment.json, error.what());
@@ -38,13 +68,15 @@ void Run(Options options) {
 }  // namespace
 
 void AddExperiment(CLI::App* app, int*) {
-  CLI::App* command = app->add_subcommand("experiment", "Measures in simulation: missions");
+  CLI::App* command = app->add_subcommand("experiment", "Measures: " + Names());
   const auto options = std::make_shared<Options>();  // outlives this function in the callback
   ExperimentOptions& experiment = options->experiment;
   experiment.models = "sim/models";
   experiment.unfamiliar = "sim/unfamiliar";
   command->add_option("name", options->name, "Which experiment")->required();
-  command->add_option("--trials", experiment.trials, "How many")->check(CLI::Range(1, 1000000));
+  command->add_option("--trials", options->trials, "How many")->check(CLI::Range(1, 1000000));
+  command->add_option("--views", options->views, "Views of each, where it takes views of a scene")
+      ->check(CLI::Range(1, 10000));
   command->add_option("--seed", experiment.seed, "Of everything that is drawn");
   command->add_option("--shard", options->shard, "i/n: only every n-th trial, from the i-th");
   command->add_flag("--resume", experiment.resume, "Go on where the --json file ends");

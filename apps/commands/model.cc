@@ -1,10 +1,12 @@
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "apps/commands/commands.h"
+#include "lib/perception/training_file.h"
 #include "lib/world/object_database.h"
 
 namespace secondlook::apps {
@@ -42,6 +44,10 @@ void AddModel(CLI::App* app, int*) {
   add->callback([options] {
     world::AddModel(options->mesh, geometry::ParseLengthUnit(options->unit), options->name,
                     options->models);
+    // What recognition trains is made here once, so that no mission has to.
+    const std::filesystem::path folder = std::filesystem::path(options->models) / options->name;
+    std::filesystem::remove(perception::TrainingFile(folder));
+    perception::TrainModels(world::ObjectDatabase({world::ReadModel(folder)}));
     fmt::print("added '{}' to {}\n", options->name, options->models);
   });
 
@@ -54,6 +60,8 @@ void AddModel(CLI::App* app, int*) {
   remove->add_option("--models", options->models, "Model folder")->required();
   remove->callback([options] {
     world::RemoveModel(options->name, options->models);
+    std::filesystem::remove(
+        perception::TrainingFile(std::filesystem::path(options->models) / options->name));
     fmt::print("removed '{}' from {}\n", options->name, options->models);
   });
 }

@@ -1,10 +1,6 @@
-#include "lib/perception/recognise.h"
+#include "lib/perception/recognise_frame.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <filesystem>
-#include <limits>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -13,20 +9,16 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "apps/commands/commands.h"
 #include "apps/commands/parse_up.h"
 #include "apps/json_output.h"
+#include "apps/rgbd_images.h"
 #include "lib/common/error.h"
 #include "lib/geometry/undistort.h"
-#include "lib/perception/segment.h"
 
 namespace secondlook::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct RecogniseOptions {
   std::string models;
@@ -78,62 +70,6 @@ Lens ParseCamera(const std::string& text, int width, int height) {
   return lens;
 }
 
-cv::Mat ReadImage(const std::string& file, int flags) {
-  if (!fs::is_regular_file(file)) Throw<ConfigError>("{}: no such file", file);
-  cv::Mat image = cv::imread(file, flags);
-  if (image.empty()) Throw<ConfigError>("{}: is no image that can be read", file);
-  return image;
-}
-
-/// Depth in metres, NaN where nothing was measured.
-cv::Mat ReadDepth(const std::string& file, double unit) {
-  if (!(unit > 0.0) || !std::isfinite(unit)) {
-    Throw<InvalidArgument>("--depth-unit {}: must be the metres of one unit of depth, e.g. 0.001",
-                           unit);
-  }
-  const cv::Mat raw = ReadImage(file, cv::IMREAD_UNCHANGED);
-  if (raw.type() != CV_16UC1 && raw.type() != CV_32FC1) {
-    Throw<ConfigError>(
-        "{}: has {} channels of {} bytes; a depth image has one of 16 bits (or 32 "
-        "bits floating)",
-        file, raw.channels(), raw.elemSize1());
-  }
-  cv::Mat depth;
-  raw.convertTo(depth, CV_32FC1, unit);
-  std::vector<float> measured;
-  for (int y = 0; y < depth.rows; ++y) {
-    auto* row = depth.ptr<float>(y);
-    for (int x = 0; x < depth.cols; ++x) {
-      if (std::isfinite(row[x]) && row[x] > 0.0F) {
-        measured.push_back(row[x]);
-      } else {
-        row[x] = std::numeric_limits<float>::quiet_NaN();
-      }
-    }
-  }
-  if (measured.empty()) Throw<ConfigError>("{}: no pixel has a depth", file);
-  const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
-  std::nth_element(measured.begin(), middle, measured.end());
-  if (*middle < 0.05F || *middle > 20.0F) {
-    Throw<InvalidArgument>(
-        "{}: with --depth-unit {} the median depth is {:.4g} m, and no table is that {}: give the "
-        "metres of one unit (0.001 for millimetres, 0.0001 for tenths of them)",
-        file, unit, *middle, *middle < 1.0F ? "near" : "far");
-  }
-  return depth;
-}
-
-cv::Mat ReadColor(const std::string& file, const cv::Mat& depth) {
-  cv::Mat color;
-  cv::cvtColor(ReadImage(file, cv::IMREAD_COLOR), color, cv::COLOR_BGR2RGB);
-  if (color.size() != depth.size()) {
-    Throw<InvalidArgument>(
-        "{}: is {} x {}, the depth image {} x {}: both must be registered to one camera", file,
-        color.cols, color.rows, depth.cols, depth.rows);
-  }
-  return color;
-}
-
 /// A detection's entry of the result: what was chosen, or its best guess. Null without any.
 nlohmann::ordered_json ToJson(const world::Detection& detection, const perception::Choice& choice) {
   if (detection.hypotheses.empty()) return nullptr;
@@ -146,38 +82,37 @@ nlohmann::ordered_json ToJson(const world::Detection& detection, const perceptio
           {"verified", verified}};
 }
 
-void PrintTable(const std::vector<world::Detection>& detections,
-                const std::vector<perception::Choice>& choices) {
-  for (std::size_t i = 0; i < detections.size(); ++i) {
-    const world::Detection& detection = detections[i];
-    const bool verified = choices[i].hypothesis >= 0;
+void PrintTable(const perception::FrameRecognition& found) {
+  for (std::size_t i = 0; i < found.detections.size(); ++i) {
+    const world::Detection& detection = found.detections[i];
+    const perception::Choice& choice = found.choices[i];
+    const bool verified = choice.hypothesis >= 0;
     const Eigen::Vector3d& at = detection.cluster.center_C;
     fmt::print("cluster {:2}: {:6} pixels around ({:.3f}, {:.3f}, {:.3f}) m: ", i + 1,
                detection.cluster.pixels.size(), at.x(), at.y(), at.z());
     if (verified) {
       const world::Hypothesis& h =
-          detection.hypotheses[static_cast<std::size_t>(choices[i].hypothesis)];
+          detection.hypotheses[static_cast<std::size_t>(choice.hypothesis)];
       const Eigen::Vector3d p = h.X_CM.translation();
       fmt::print("{} at ({:.3f}, {:.3f}, {:.3f}) m, score {:.3f}\n", h.model, p.x(), p.y(), p.z(),
                  h.score);
     } else {
-      fmt::print("not recognised: {}\n", choices[i].reason);
+      fmt::print("not recognised: {}\n", choice.reason);
     }
   }
 }
 
 void Recognise(const RecogniseOptions& options) {
   const auto database = world::ObjectDatabase::Load(options.models);
-  cv::Mat depth = ReadDepth(options.depth, options.depth_unit);
+  cv::Mat depth = ReadDepthImage(options.depth, options.depth_unit);
   const Lens lens = ParseCamera(options.camera, depth.cols, depth.rows);
   cv::Mat color;
   if (!options.color.empty()) {
-    color = geometry::Undistort(ReadColor(options.color, depth), lens.camera, lens.distortion);
+    color = geometry::Undistort(ReadColorImage(options.color, depth), lens.camera, lens.distortion);
   }
   depth = geometry::Undistort(depth, lens.camera, lens.distortion);
   const std::vector<perception::RecognitionModel> models = perception::TrainModels(database);
 
-  const auto start = std::chrono::steady_clock::now();
   perception::SegmentConfig segment_config;
   Eigen::Vector3d up_C = kImageUp_C;
   if (options.up.empty()) {
@@ -187,27 +122,21 @@ void Recognise(const RecogniseOptions& options) {
   } else {
     up_C = ParseUp(options.up);
   }
-  const perception::Segmentation segmentation =
-      perception::Segment(geometry::Deproject(depth, lens.camera), up_C, segment_config);
-  if (!segmentation.plane_C) {
-    Throw<InvalidArgument>("{}: {}", options.depth, segmentation.reason);
-  }
-  const perception::RecogniseConfig config;
-  const perception::View view =
-      perception::MakeView(color, depth, lens.camera, *segmentation.plane_C, segmentation.clusters);
-  const auto detections = perception::Recognise(view, segmentation.clusters, models, config);
-  const auto choices = perception::ChooseHypotheses(detections, config);
+  const auto start = std::chrono::steady_clock::now();
+  const perception::FrameRecognition found = perception::RecogniseFrame(
+      color, depth, lens.camera, up_C, models, segment_config, perception::RecogniseConfig{});
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!found.plane_C) Throw<InvalidArgument>("{}: {}", options.depth, found.reason);
 
   if (options.json != "-") {
-    PrintTable(detections, choices);
-    if (detections.empty()) fmt::print("nothing found: {}\n", segmentation.reason);
+    PrintTable(found);
+    if (found.detections.empty()) fmt::print("nothing found: {}\n", found.reason);
   }
   if (options.json.empty()) return;
   nlohmann::ordered_json json{{"objects", nlohmann::ordered_json::array()}, {"seconds", seconds}};
-  for (std::size_t i = 0; i < detections.size(); ++i) {
-    const nlohmann::ordered_json object = ToJson(detections[i], choices[i]);
+  for (std::size_t i = 0; i < found.detections.size(); ++i) {
+    const nlohmann::ordered_json object = ToJson(found.detections[i], found.choices[i]);
     if (!object.is_null()) json["objects"].push_back(object);
   }
   WriteJson(json, options.json);

@@ -19,6 +19,8 @@ using Json = nlohmann::ordered_json;
 
 double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+Json OrNull(const std::optional<double>& figure) { return figure ? Json(*figure) : Json(nullptr); }
+
 /// The trials that stand in the result of an earlier, interrupted run.
 std::vector<Json> EarlierTrials(const std::string& name, const ExperimentOptions& options) {
   if (!options.resume || options.json.empty() || options.json == "-") return {};
@@ -27,14 +29,14 @@ std::vector<Json> EarlierTrials(const std::string& name, const ExperimentOptions
   const bool fits = earlier.is_object() && earlier.value("name", "") == name &&
                     earlier.value("seed", std::uint64_t{0}) == options.seed &&
                     earlier.value("scene", "") == options.scene &&
-                    earlier.value("models", "") == options.models && earlier.contains("details") &&
+                    earlier.value("models", "") == options.models &&
+                    earlier.value("views", 0) == options.views && earlier.contains("details") &&
                     earlier["details"].is_array();
   if (!fits) {
     Throw<ConfigError>(
-        "{}: is not the result of 'experiment {}' with seed {}, models '{}' and scene '{}'; "
-        "nothing "
-        "to resume",
-        options.json, name, options.seed, options.models, options.scene);
+        "{}: is not the result of 'experiment {}' with seed {}, models '{}', scene '{}' and {} "
+        "views; nothing to resume",
+        options.json, name, options.seed, options.models, options.scene, options.views);
   }
   return earlier["details"].get<std::vector<Json>>();
 }
@@ -47,13 +49,14 @@ Json ResultOf(const std::string& name, const ExperimentOptions& options,
   result["seed"] = options.seed;
   result["scene"] = options.scene;
   result["models"] = options.models;
+  if (options.views > 0) result["views"] = options.views;
   result["rows"] = Json::array();
   for (const Row& row : rows) {
     result["rows"].push_back({{"metric", row.metric},
                               {"value", row.estimate.value},
                               {"ci95", {row.estimate.low, row.estimate.high}},
-                              {"paper", nullptr},
-                              {"baseline", nullptr}});
+                              {"paper", OrNull(row.paper)},
+                              {"baseline", OrNull(row.baseline)}});
   }
   result["seconds"] = seconds;
   result["details"] = details;
@@ -64,8 +67,10 @@ void Print(const std::string& name, std::uint64_t seed, std::size_t trials,
            const std::vector<Row>& rows) {
   fmt::print("\n{} ({} trials, seed {})\n", name, trials, seed);
   for (const Row& row : rows) {
-    fmt::print("  {:50} {:9.4f}   95 % [{:.4f}, {:.4f}]\n", row.metric, row.estimate.value,
-               row.estimate.low, row.estimate.high);
+    fmt::print("  {:50} {:9.4f}   95 % [{:.4f}, {:.4f}]{}{}\n", row.metric, row.estimate.value,
+               row.estimate.low, row.estimate.high,
+               row.paper ? fmt::format("   paper {:.4f}", *row.paper) : "",
+               row.baseline ? fmt::format("   baseline {:.4f}", *row.baseline) : "");
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace secondlook::apps {
 /// What every experiment is asked for (docs/cli.md).
 struct ExperimentOptions {
   int trials = 50;
+  int views{};  ///< Of each trial, for the experiments that take views of a scene.
   std::uint64_t seed = 1;
   int shard = 1;  ///< Of `shards`, from 1: only trials t with t % shards == shard - 1 are run.
   int shards = 1;
@@ -31,6 +33,8 @@ struct ExperimentOptions {
 struct Row {
   std::string metric;
   Estimate estimate;
+  std::optional<double> paper{};     ///< The published figure.
+  std::optional<double> baseline{};  ///< The same figure by the simpler method, in the same trials.
 };
 
 /// Runs `trial(t)` for the trials of the shard, side by side, and returns their results in the
@@ -44,5 +48,16 @@ std::vector<nlohmann::ordered_json> RunTrials(
 /// Whole missions in simulation: the figures by which the default robot is judged.
 /// @throws ConfigError for folders or a scene that cannot be read.
 void RunMissionsExperiment(const ExperimentOptions& options);
+
+/// Recognition in recorded frames with ground truth, nothing told of where objects are: a trial is
+/// a frame of the folder `options.data`.
+/// @throws ConfigError for a folder that has no such frame, or a frame that cannot be read.
+void RunRealFramesExperiment(const ExperimentOptions& options);
+
+/// Recognition in single views, each from scratch, as in Section IV-C of Kriegel 2013: a trial is a
+/// crowded table with seven objects, which are all that its database holds. The baseline is the
+/// paper's decision on the same hypotheses: the best quality q_h above 0.4.
+/// @throws ConfigError for a folder of models that cannot be read.
+void RunRecognitionExperiment(const ExperimentOptions& options);
 
 }  // namespace secondlook::apps

@@ -153,4 +153,27 @@ sim::Scene DrawScene(const Repertoire& repertoire, Rng* rng) {
   return scene;
 }
 
+sim::Scene DrawCrowdedTable(const std::vector<sim::SceneObject>& things, Rng* rng) {
+  sim::Scene scene;
+  scene.name = "crowded table";
+  scene.table.size = {0.8, 0.6};
+  scene.walls.emplace();
+  for (int attempt = 0; attempt < 20 && scene.objects.size() < things.size(); ++attempt) {
+    scene.objects.clear();
+    std::vector<Outline> taken;
+    for (sim::SceneObject object : things) {
+      if (Place(scene.table, &taken, &object, rng)) scene.objects.push_back(std::move(object));
+    }
+  }
+  return scene;
+}
+
+std::vector<sim::SceneObject> DrawObjects(std::vector<sim::SceneObject> pool, int count, Rng* rng) {
+  std::vector<sim::SceneObject> drawn;
+  while (!pool.empty() && static_cast<int>(drawn.size()) < count) {
+    drawn.push_back(Draw(&pool, rng));
+  }
+  return drawn;
+}
+
 }  // namespace secondlook::apps

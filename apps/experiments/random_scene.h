@@ -24,4 +24,11 @@ Repertoire LoadRepertoire(const std::string& models, const std::string& unfamili
 /// it within 15 degrees. Depends on `rng` alone.
 sim::Scene DrawScene(const Repertoire& repertoire, Rng* rng);
 
+/// A small table, crowded with `things` at random places at least 3 cm apart and turned at random:
+/// from most sides, some hide others. What finds no room in many attempts is left out.
+sim::Scene DrawCrowdedTable(const std::vector<sim::SceneObject>& things, Rng* rng);
+
+/// Takes `count` random objects out of `pool`, or all when there are fewer.
+std::vector<sim::SceneObject> DrawObjects(std::vector<sim::SceneObject> pool, int count, Rng* rng);
+
 }  // namespace secondlook::apps

@@ -46,7 +46,7 @@ void WriteFile(const fs::path& target, std::string_view content) {
       Throw<ConfigError>("{}: cannot make its folder: {}", path.string(), error.message());
     }
   }
-  const fs::path temporary = path.string() + ".tmp" + std::to_string(::getpid());
+  const fs::path temporary = path.string() + ".tmp" + std::to_string(::gettid());
   {
     std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
     out.write(content.data(), static_cast<std::streamsize>(content.size()));
@@ -74,7 +74,7 @@ void MakeWritableFolder(const fs::path& folder) {
     Throw<ConfigError>("folder {}: cannot be made: {}; choose another or fix its permissions",
                        folder.string(), error.message());
   }
-  const fs::path probe = folder / (".writable" + std::to_string(::getpid()));
+  const fs::path probe = folder / (".writable" + std::to_string(::gettid()));
   const int file = ::open(probe.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
   if (file < 0) {
     Throw<ConfigError>("folder {}: cannot be written to: {}; choose another or fix its permissions",

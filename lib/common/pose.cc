@@ -41,6 +41,15 @@ Eigen::Matrix3d RotationFromVector(const Eigen::Vector3d& v) {
   return Eigen::AngleAxisd(angle, v / angle).toRotationMatrix();
 }
 
+Pose LookAt(const Eigen::Vector3d& p_WC, const Eigen::Vector3d& p_WT) {
+  const Eigen::Vector3d forward = (p_WT - p_WC).normalized();
+  const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+  Pose X_WC = Pose::Identity();
+  X_WC.linear() << right, forward.cross(right), forward;
+  X_WC.translation() = p_WC;
+  return X_WC;
+}
+
 bool IsValid(const Pose& X_AB) {
   const Eigen::Matrix3d R = X_AB.linear();
   return X_AB.matrix().allFinite() &&

@@ -35,6 +35,10 @@ double RotationDistance(const Eigen::Matrix3d& R_WA, const Eigen::Matrix3d& R_WB
 /// The rotation of angle |v| [rad] about v (the exponential map of so(3)).
 Eigen::Matrix3d RotationFromVector(const Eigen::Vector3d& v);
 
+/// The pose X_WC of a camera (x right, y down, z forward) at `p_WC` that looks at `p_WT`, upright
+/// in W, whose z is up. @pre the two are not above one another.
+Pose LookAt(const Eigen::Vector3d& p_WC, const Eigen::Vector3d& p_WT);
+
 /// True when every entry is finite and the rotation is orthonormal with determinant +1 within 1e-6.
 bool IsValid(const Pose& X_AB);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -32,12 +33,13 @@ PixelRect ImageBounds(const Mesh& mesh, const Pose& X_CM, const CameraModel& cam
 
 /// A z-buffer for one mesh at a time, restricted to a rectangle of the image. Triangles count from
 /// both sides, so the mesh need not be closed; what lies nearer than 1 cm is clipped away. A pixel
-/// shows what the ray through its centre meets. Buffers are kept between calls: hold one for each
-/// thread. The result depends on the arguments alone.
+/// shows what the ray through its centre meets; a vertex that is no number hides its triangles.
+/// Buffers are kept between calls: hold one for each thread. The result depends on the arguments
+/// alone.
 class DepthRasteriser {
  public:
   /// Draws `mesh` at X_CM as `camera` sees it into `window`, which need not lie in the image.
-  /// An empty window gives empty buffers.
+  /// An empty window gives empty buffers. @pre it has at most 32767 columns and rows.
   void Render(const Mesh& mesh, const Pose& X_CM, const CameraModel& camera,
               const PixelRect& window);
 
@@ -59,22 +61,41 @@ class DepthRasteriser {
   Eigen::Vector3f Normal(const Mesh& mesh, int index) const;
 
  private:
+  /// Where a vertex falls. Columns and rows count from one pixel left of and above the window, so
+  /// that the pixel (0, 0) has its centre at (1, 1).
   struct ScreenVertex {
-    float x;          ///< Column in the window [px].
-    float y;          ///< Row in the window [px].
-    float inverse_z;  ///< [1/m]
+    float x;             ///< [px]
+    float y;             ///< [px]
+    float inverse_z;     ///< [1/m]
+    std::uint32_t cell;  ///< Of the grid between pixel centres: column << 16 | row.
   };
 
+  /// Where the vertices of the mesh fall, one array a member.
+  struct ScreenVertices {
+    Eigen::ArrayXf x;
+    Eigen::ArrayXf y;
+    Eigen::ArrayXf inverse_z;
+    Eigen::ArrayXi cell;
+
+    ScreenVertex operator[](int i) const {
+      return {x[i], y[i], inverse_z[i], static_cast<std::uint32_t>(cell[i])};
+    }
+  };
+
+  Eigen::Vector3f ToCamera(const Eigen::Vector3f& p_M) const { return R_CM_ * p_M + p_CM_; }
   ScreenVertex Project(const Eigen::Vector3f& p_C) const;
+  bool PlaceVertices(const Mesh& mesh);
+  void DrawMesh(const Mesh& mesh);
+  void DrawClipped(const Mesh& mesh);
   void DrawTriangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, int index);
-  void DrawClipped(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c,
-                   int index);
 
   PixelRect window_;
   CameraModel camera_;
-  std::vector<Eigen::Vector3f> points_C_;
-  std::vector<ScreenVertex> screen_;
-  std::vector<float> inverse_z_;
+  Eigen::Matrix3f R_CM_;
+  Eigen::Vector3f p_CM_;
+  ScreenVertices screen_;
+  std::vector<int> crossing_;           ///< Triangles that may hold a pixel's centre.
+  std::vector<std::uint64_t> nearest_;  ///< By pixel: bits of 1/z, then the triangle; 0: none.
   std::vector<float> depth_;
   std::vector<int> triangle_;
 };

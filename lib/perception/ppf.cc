@@ -38,6 +38,8 @@ Feature FeatureOf(const OrientedPoint& a, const OrientedPoint& b, float spacing)
               between < kCoplanar};
 }
 
+int DistanceBins(double sampling) { return static_cast<int>(1.0 / sampling + 1e-6) + 1; }
+
 int CellOf(int distance, int a, int b, int c) {
   return ((distance * kAngleBins + a) * kAngleBins + b) * kAngleBins + c;
 }
@@ -100,6 +102,10 @@ struct Accumulator {
 
 }  // namespace
 
+std::size_t PpfCellCount(double sampling) {
+  return static_cast<std::size_t>(DistanceBins(sampling)) * kAngleBins * kAngleBins * kAngleBins;
+}
+
 PpfModel TrainPpf(const geometry::Mesh& mesh, double sampling) {
   if (!(sampling > 0.0 && sampling <= 0.25)) {
     Throw<InvalidArgument>("PPF sampling = {}; it must be in (0, 0.25]", sampling);
@@ -109,16 +115,16 @@ PpfModel TrainPpf(const geometry::Mesh& mesh, double sampling) {
   model.spacing = sampling * model.diameter;
   Rng rng(1);
   std::vector<OrientedPoint> drawn;
-  for (const geometry::MeshSample& sample : geometry::SampleSurface(mesh, 6000, &rng)) {
+  // Several for each cell of the grid that thins them.
+  const int draws = std::max(6000, static_cast<int>(15.0 / (sampling * sampling)));
+  for (const geometry::MeshSample& sample : geometry::SampleSurface(mesh, draws, &rng)) {
     drawn.push_back(sample.surface);
   }
   for (const int i : geometry::SubsampleByNormals(drawn, model.spacing, 0.6)) {
     model.points.push_back(drawn[static_cast<std::size_t>(i)]);
   }
   const auto spacing = static_cast<float>(model.spacing);
-  const int distance_bins = static_cast<int>(1.0 / sampling) + 1;
-  const auto cell_count =
-      static_cast<std::size_t>(distance_bins) * kAngleBins * kAngleBins * kAngleBins;
+  const int distance_bins = DistanceBins(sampling);
   struct Pair {
     int cell;
     PpfModel::Entry entry;
@@ -137,7 +143,7 @@ PpfModel TrainPpf(const geometry::Mesh& mesh, double sampling) {
     }
   }
   // Counting sort by cell; within a cell the order of the pairs stays.
-  model.first.assign(cell_count + 1, 0);
+  model.first.assign(PpfCellCount(sampling) + 1, 0);
   for (const Pair& pair : pairs) ++model.first[static_cast<std::size_t>(pair.cell) + 1];
   for (std::size_t k = 1; k < model.first.size(); ++k) model.first[k] += model.first[k - 1];
   std::vector<std::uint32_t> next(model.first.begin(), model.first.end() - 1);

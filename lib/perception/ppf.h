@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -26,6 +27,9 @@ struct PpfModel {
   std::vector<std::uint32_t> first;             ///< One more than there are cells.
   std::vector<Entry> entries;
 };
+
+/// How many cells a table has whose points are drawn at `sampling`.
+std::size_t PpfCellCount(double sampling);
 
 /// Draws points at `sampling` (share of the diameter, in (0, 0.25]) from `mesh` and tabulates their
 /// pairs. Pairs that lie in one plane are left out: they say next to nothing and would be most of

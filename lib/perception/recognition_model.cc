@@ -2,18 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
+#include "lib/common/error.h"
 #include "lib/common/parallel.h"
 #include "lib/common/rng.h"
+#include "lib/geometry/orient.h"
 #include "lib/geometry/sampling.h"
+#include "lib/perception/training_file.h"
 
 namespace secondlook::perception {
 namespace {
 
-constexpr int kPoints = 1600;
 constexpr int kPatch = 4;  // drawn points whose colours make one
 constexpr int kMaxResting = 10;
 /// Coarser than the 0.05 of the literature: what hypotheses are lost to it the resting poses give
@@ -165,17 +170,56 @@ std::vector<Eigen::Vector3d> RestingDirections(const std::vector<Eigen::Vector3f
   return directions;
 }
 
+void CheckMesh(const world::ObjectModel& object) {
+  if (object.mesh.empty()) {
+    Throw<InvalidArgument>("model '{}': its mesh has no triangle", object.name);
+  }
+  const auto& vertices = object.mesh.vertices;
+  const auto bad = std::find_if(vertices.begin(), vertices.end(),
+                                [](const Eigen::Vector3f& v) { return !v.allFinite(); });
+  if (bad != vertices.end()) {
+    Throw<InvalidArgument>("model '{}': vertex {} of {} is not finite", object.name,
+                           bad - vertices.begin(), vertices.size());
+  }
+}
+
+/// `*not_kept` becomes the reason why the training could not be written, if so.
+RecognitionModel LoadOrTrain(const world::ObjectModel& object, std::string* not_kept) {
+  if (object.folder.empty()) return TrainModel(object);
+  const std::filesystem::path file = TrainingFile(object.folder);
+  if (std::filesystem::exists(file)) {
+    try {
+      return LoadTraining(object, file);
+    } catch (const ConfigError& error) {
+      spdlog::warn("{}; '{}' is trained anew", error.what(), object.name);
+    }
+  }
+  RecognitionModel model = TrainModel(object);
+  try {
+    SaveTraining(model, file);
+  } catch (const ConfigError& error) {
+    *not_kept = error.what();
+  }
+  return model;
+}
+
 }  // namespace
 
 RecognitionModel TrainModel(const world::ObjectModel& object) {
+  constexpr int kPoints = RecognitionModel::kPoints;
+  CheckMesh(object);
   RecognitionModel model;
   model.name = object.name;
   model.hash = object.hash;
   model.mesh = object.mesh;
   model.diameter = geometry::Diameter(object.mesh);
   model.area = AreaOf(object.mesh);
+  if (!(model.area > 0.0))
+    Throw<InvalidArgument>("model '{}': its surface has no area", object.name);
+  geometry::Mesh outward = object.mesh;
+  geometry::OrientOutward(&outward);
   Rng rng(1);
-  for (const geometry::MeshSample& sample : geometry::SampleSurface(model.mesh, kPoints, &rng)) {
+  for (const geometry::MeshSample& sample : geometry::SampleSurface(outward, kPoints, &rng)) {
     model.points.push_back(
         {sample.surface.point, sample.surface.normal,
          PatchColor(model.mesh, sample, static_cast<float>(0.01 * model.diameter), &rng)});
@@ -188,16 +232,22 @@ RecognitionModel TrainModel(const world::ObjectModel& object) {
   model.symmetry = FindSymmetry(model.mesh);
   model.hull = HullPoints(model.mesh.vertices, SphereDirections(400));
   model.resting_M = RestingDirections(model.hull, model.center_M, model.symmetry);
-  model.ppf = TrainPpf(model.mesh, kPpfSampling);
+  model.ppf = TrainPpf(outward, kPpfSampling);
   return model;
 }
 
 std::vector<RecognitionModel> TrainModels(const world::ObjectDatabase& database) {
   std::vector<RecognitionModel> models(database.models().size());
+  std::vector<std::string> not_kept(models.size());
   ParallelFor(static_cast<int>(models.size()), [&](int i) {
     const auto index = static_cast<std::size_t>(i);
-    models[index] = TrainModel(database.models()[index]);
+    models[index] = LoadOrTrain(database.models()[index], &not_kept[index]);
   });
+  const auto first = std::find_if(not_kept.begin(), not_kept.end(),
+                                  [](const std::string& reason) { return !reason.empty(); });
+  if (first != not_kept.end()) {
+    spdlog::warn("{}; what is trained is not kept, and is made anew each time", *first);
+  }
   return models;
 }
 

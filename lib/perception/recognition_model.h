@@ -23,6 +23,8 @@ struct ModelPoint {
 
 /// All that recognition prepares from one object of the database: a cache, keyed by `hash`.
 struct RecognitionModel {
+  static constexpr int kPoints = 1600;  ///< How many `points` there are.
+
   std::string name;
   std::uint64_t hash{};                               ///< Of the object it was made from.
   geometry::Mesh mesh;                                ///< In M [m].
@@ -39,10 +41,15 @@ struct RecognitionModel {
   Symmetry symmetry;
 };
 
-/// Prepares `object`. Deterministic. @pre the mesh is not empty.
+/// Prepares `object`. Deterministic. The mesh may be wound the wrong way, in whole or in part.
+/// @throws InvalidArgument naming the object: a mesh without a triangle or without area, or a
+/// vertex that is not finite.
 RecognitionModel TrainModel(const world::ObjectModel& object);
 
-/// Prepares every object of `database`, in its order.
+/// Prepares every object of `database`, in its order. What was trained from an object that lies in
+/// a folder is kept in a file beside that (TrainingFile()) and read from there the next time; a
+/// file that does not fit the object or is damaged is warned about and made anew, and one that
+/// cannot be written is warned about. @throws InvalidArgument as TrainModel does.
 std::vector<RecognitionModel> TrainModels(const world::ObjectDatabase& database);
 
 /// The lowest height of the model at X_CM above the plane n . p = d of C [m].

@@ -141,7 +141,7 @@ ObjectModel ReadModel(const fs::path& folder) {
         "model and add it anew",
         file.string(), metadata.name, HexDigits(hash), metadata.hash);
   }
-  return {metadata.name, geometry::LoadMesh(folder / metadata.mesh, unit), hash};
+  return {metadata.name, geometry::LoadMesh(folder / metadata.mesh, unit), hash, folder};
 }
 
 ObjectDatabase::ObjectDatabase(std::vector<ObjectModel> models) : models_(std::move(models)) {

@@ -14,6 +14,7 @@ struct ObjectModel {
   std::string name;
   geometry::Mesh mesh;   ///< Model frame M [m].
   std::uint64_t hash{};  ///< Of the mesh, material and texture files; caches are keyed by it.
+  std::filesystem::path folder{};  ///< Where it was read from; empty: nowhere.
 };
 
 /// The sub-folders of `folder` that hold a model, by name.

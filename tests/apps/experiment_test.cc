@@ -59,6 +59,15 @@ TEST_F(Trials, ComeInTheirOrderWithTheirSummary) {
   EXPECT_EQ(result["details"].size(), 7U);
 }
 
+TEST_F(Trials, ComeWithThePublishedFigureAndTheBaselineWhereThereIsOne) {
+  RunTrials("squares", options_, Square, [](const std::vector<Json>&) {
+    return std::vector<Row>{{"published", {1.0, 0.5, 1.5}, 0.75, 0.25}};
+  });
+  const Json row = Written()["rows"][0];
+  EXPECT_DOUBLE_EQ(row["paper"], 0.75);
+  EXPECT_DOUBLE_EQ(row["baseline"], 0.25);
+}
+
 TEST_F(Trials, AreTheSameForAnyNumberOfThreads) {
   options_.threads = 1;
   RunTrials("squares", options_, Square, Summary);
@@ -106,10 +115,46 @@ TEST_F(Trials, DoNotResumeWhatIsAnotherExperiment) {
   options_.seed = 2;
   EXPECT_THROWS(RunTrials("squares", options_, Square, Summary), ConfigError, "with seed 2");
   options_.seed = 1;
+  options_.views = 9;
+  EXPECT_THROWS(RunTrials("squares", options_, Square, Summary), ConfigError, "and 9 views");
+  options_.views = 0;
   options_.scene = "another.yaml";
   EXPECT_THROWS(RunTrials("squares", options_, Square, Summary), ConfigError, "'another.yaml'");
   WriteFile(options_.json, "{");
   EXPECT_THROWS(RunTrials("squares", options_, Square, Summary), ConfigError, "nothing to resume");
+}
+
+TEST_F(Trials, OfRecognitionJudgeEveryObjectOfEveryView) {
+  options_.trials = 1;
+  options_.views = 2;
+  options_.models = "sim/models";
+  RunRecognitionExperiment(options_);
+  const Json result = Written();
+  const Json& views = result["details"][0]["views"];
+  ASSERT_EQ(views.size(), 2U);
+  int found = 0;
+  int right = 0;
+  for (const Json& view : views) {
+    EXPECT_EQ(view["objects"].size(), 7U);
+    for (const Json& object : view["objects"]) {
+      const double visible = object["visible"];
+      EXPECT_GE(visible, 0.0);
+      EXPECT_LE(visible, 1.0);
+      if (!object["found"]) continue;
+      ++found;
+      EXPECT_GT(visible, 0.0) << object["name"];
+    }
+    for (const Json& detection : view["detections"]) {
+      if (!detection["right"]) continue;
+      ++right;
+      EXPECT_LE(detection["error_mm"], 30.0);
+      EXPECT_LE(detection["error_deg"], 15.0);
+    }
+  }
+  EXPECT_EQ(found, right) << "each thing is detected once";
+  EXPECT_GT(found, 4) << "of 14, most of them in full view";
+  EXPECT_EQ(result["rows"][2]["metric"], "recall, all not completely hidden");
+  EXPECT_NEAR(result["rows"][2]["paper"], 0.752, 5e-4);
 }
 
 }  // namespace

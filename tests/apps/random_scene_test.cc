@@ -123,6 +123,31 @@ TEST(RandomScene, HasUnknownThingsInAboutHalfOfAllDraws) {
   EXPECT_LT(with, 50);
 }
 
+TEST(CrowdedTable, HoldsAllItsThingsApartFromEachOther) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Rng rng(seed);
+    const std::vector<sim::SceneObject> things = DrawObjects(Shipped().known, 7, &rng);
+    const sim::Scene scene = DrawCrowdedTable(things, &rng);
+    ASSERT_EQ(scene.objects.size(), 7U) << seed;
+    EXPECT_NO_THROW(scene.Validate());
+    const std::vector<sim::PlacedObject> placed = sim::PlaceObjects(scene);
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      EXPECT_EQ(placed[i].name, things[i].name);
+      for (std::size_t j = 0; j < i; ++j) {
+        EXPECT_GE(Gap(Outline(placed[i]), Outline(placed[j])), 0.03 - 1e-4) << seed;
+      }
+    }
+  }
+}
+
+TEST(DrawObjects, TakesNoneTwiceAndAllWhenThereAreFewer) {
+  Rng rng(3);
+  std::set<std::string> names;
+  for (const auto& object : DrawObjects(Shipped().known, 7, &rng)) names.insert(object.name);
+  EXPECT_EQ(names.size(), 7U);
+  EXPECT_EQ(DrawObjects(Shipped().known, 1000, &rng).size(), Shipped().known.size());
+}
+
 TEST(Repertoire, WithoutAFolderOfUnfamiliarThingsHasKnownOnesAlone) {
   const Repertoire repertoire = LoadRepertoire("sim/models", "");
   EXPECT_GE(repertoire.known.size(), 16U);

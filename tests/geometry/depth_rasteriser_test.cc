@@ -117,6 +117,38 @@ TEST(DepthRasteriser, DrawsAPlaneAtItsAnalyticDepth) {
   }
 }
 
+TEST(DepthRasteriser, LeavesNoHoleInAMeshWhoseTrianglesAreSmallerThanPixels) {
+  const Mesh mesh = MakeSphere(0.1, 40, {0.5F, 0.5F, 0.5F});
+  const CameraModel camera{40, 40, 60.0, 60.0, 19.5, 19.5};
+  Rng rng(11);
+  DepthRasteriser rasteriser;
+  for (int i = 0; i < 3; ++i) {
+    Pose X_CM = RandomPose(&rng, 0.5);
+    X_CM.translation().head<2>() *= 0.5;
+    rasteriser.Render(mesh, X_CM, camera, {0, 0, 40, 40});
+    int differ = 0;
+    for (int k = 0; k < 1600; ++k) {
+      const double z = CastRay(mesh, X_CM, camera.Ray(k % 40, k / 40));
+      const float drawn = rasteriser.depth()[k];
+      const bool same = std::isinf(z) ? std::isnan(drawn) : std::abs(z - drawn) < 2e-4;
+      differ += same ? 0 : 1;
+    }
+    EXPECT_LE(differ, 2);  // pixel centres on the outline, to rounding
+  }
+}
+
+TEST(DepthRasteriser, DrawsNothingOfATriangleWithAVertexThatIsNoNumber) {
+  Mesh mesh = OneTriangle({-1, -1, 1}, {1, -1, 1}, {0, 1, 1});
+  mesh.vertices.emplace_back(std::nanf(""), 0.0F, 1.0F);
+  DepthRasteriser rasteriser;
+  rasteriser.Render(mesh, Pose::Identity(), kCamera, kWhole);
+  const std::vector<int> without = rasteriser.triangle();
+  mesh.triangles.emplace_back(0, 1, 3);
+  rasteriser.Render(mesh, Pose::Identity(), kCamera, kWhole);
+  EXPECT_EQ(rasteriser.triangle(), without);
+  EXPECT_EQ(rasteriser.triangle()[60 * 160 + 80], 0);
+}
+
 TEST(DepthRasteriser, AWindowShowsTheSameAsThatPartOfTheWholeImage) {
   Rng rng(3);
   const Mesh mesh = TriangleSoup(&rng, 30, 0.3);

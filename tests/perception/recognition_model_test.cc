@@ -4,8 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <gtest/gtest.h>
+
+#include "lib/common/error.h"
+#include "tests/support/expect_throws.h"
 
 namespace secondlook::perception {
 namespace {
@@ -55,6 +59,45 @@ TEST(TrainModel, FindsTheRestsOfABoxOnItsThreeSides) {
   EXPECT_GT(std::abs(model.resting_M[0].x()), 0.999);
   EXPECT_GT(std::abs(model.resting_M[1].y()), 0.999);
   EXPECT_GT(std::abs(model.resting_M[2].z()), 0.999);
+}
+
+TEST(TrainModel, RefusesAMeshFromWhichNothingCanBeLearned) {
+  geometry::Mesh mesh = geometry::MakeBox({0.1, 0.1, 0.1}, {0.5F, 0.5F, 0.5F});
+  geometry::Mesh empty = mesh;
+  empty.triangles.clear();
+  EXPECT_THROWS(TrainModel({"box", empty, 1}), InvalidArgument,
+                "model 'box': its mesh has no triangle");
+  geometry::Mesh flat = mesh;
+  for (Eigen::Vector3f& v : flat.vertices) v = Eigen::Vector3f(v.x(), 0.0F, 0.0F);
+  EXPECT_THROWS(TrainModel({"box", flat, 1}), InvalidArgument,
+                "model 'box': its surface has no area");
+  mesh.vertices[3].y() = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROWS(TrainModel({"box", mesh, 1}), InvalidArgument,
+                "model 'box': vertex 3 of 8 is not finite");
+}
+
+TEST(TrainModel, MakesTheSameOfAMeshThatIsInsideOut) {
+  const geometry::Mesh mesh = geometry::MakeCylinder(0.04, 0.1, 24, {0.5F, 0.5F, 0.5F});
+  geometry::Mesh inside_out = mesh;
+  for (Eigen::Vector3i& t : inside_out.triangles) std::swap(t[1], t[2]);
+  const RecognitionModel one = TrainModel({"can", mesh, 1});
+  const RecognitionModel other = TrainModel({"can", inside_out, 1});
+  for (std::size_t i = 0; i < one.points.size(); ++i) {
+    ASSERT_EQ(one.points[i].normal, other.points[i].normal);
+    ASSERT_GT(one.points[i].normal.dot(one.points[i].point - Eigen::Vector3f(0, 0, 0.05F)), 0.0F);
+  }
+}
+
+TEST(TrainModel, TakesASingleTriangle) {
+  geometry::Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {0.1F, 0, 0}, {0, 0.1F, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  mesh.triangle_material = {0};
+  mesh.materials.resize(1);
+  const RecognitionModel model = TrainModel({"sheet", mesh, 1});
+  EXPECT_NEAR(model.area, 0.005, 1e-9);
+  EXPECT_EQ(model.hull.size(), 3U);
+  EXPECT_TRUE(model.ppf.entries.empty());  // all its point pairs lie in one plane
 }
 
 }  // namespace
