@@ -14,7 +14,8 @@ namespace secondlook::apps {
 namespace {
 
 cv::Mat ReadImage(const std::filesystem::path& file, int flags) {
-  if (!std::filesystem::is_regular_file(file)) Throw<ConfigError>("{}: no such file", file.string());
+  if (!std::filesystem::is_regular_file(file))
+    Throw<ConfigError>("{}: no such file", file.string());
   cv::Mat image = cv::imread(file.string(), flags);
   if (image.empty()) Throw<ConfigError>("{}: is no image that can be read", file.string());
   return image;

@@ -23,6 +23,7 @@ constexpr Experiment kExperiments[] = {
     {"missions", RunMissionsExperiment, 50, 0},
     {"recognition", RunRecognitionExperiment, 10, 48},
     {"real-frames", RunRealFramesExperiment, 1000000, 0},  // all that there are
+    {"segmentation", RunSegmentationExperiment, 1000000, 0},
 };
 
 /// The names of all, in words.

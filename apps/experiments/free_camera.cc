@@ -36,8 +36,8 @@ Photo FreeCamera::Take(const Pose& X_WC) {
   photo.id = clean.id;
   photo.clean_depth = clean.depth;
   photo.frame.sequence = ++taken_;
-  photo.frame.depth = sim::DepthNoise(clean, info_.model, {info_.min_depth, info_.max_depth},
-                                      world.noise(), &rng_);
+  photo.frame.depth =
+      sim::DepthNoise(clean, info_.model, {info_.min_depth, info_.max_depth}, world.noise(), &rng_);
   photo.frame.color = sim::ColorNoise(clean, world.noise(), &rng_);
   return photo;
 }

@@ -55,9 +55,10 @@ Json ReadTruth(const fs::path& file) {
 std::vector<FrameFiles> FindFrames(const fs::path& folder) {
   const std::string ending = "-gt.json";
   if (!fs::is_directory(folder)) {
-    Throw<ConfigError>("--data {}: no such folder; real-frames needs one with NAME-color.png, "
-                       "NAME-depth.png and NAME-gt.json",
-                       folder.string());
+    Throw<ConfigError>(
+        "--data {}: no such folder; real-frames needs one with NAME-color.png, "
+        "NAME-depth.png and NAME-gt.json",
+        folder.string());
   }
   std::vector<fs::path> truths;
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -146,7 +147,7 @@ Json RunTrial(const FrameFiles& files, const Judging& judging) {
   const cv::Mat depth = ReadDepthImage(files.depth, files.truth.at("depth_scale_to_m"));
   const cv::Mat color = ReadColorImage(files.color, depth);
   const Json& K = files.truth.at("K");
-  const geometry::CameraModel camera{depth.cols,       depth.rows,       K.at(0).at(0),
+  const geometry::CameraModel camera{depth.cols,    depth.rows,    K.at(0).at(0),
                                      K.at(1).at(1), K.at(0).at(2), K.at(1).at(2)};
   camera.Validate("of the frame");
   perception::SegmentConfig segment;

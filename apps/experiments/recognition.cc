@@ -71,10 +71,10 @@ std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detec
 std::vector<world::Hypothesis> ChosenByQuality(const std::vector<world::Detection>& detections) {
   std::vector<world::Hypothesis> chosen;
   for (const world::Detection& detection : detections) {
-    const auto best = std::max_element(
-        detection.hypotheses.begin(), detection.hypotheses.end(), [](const auto& a, const auto& b) {
-          return a.verification.quality < b.verification.quality;
-        });
+    const auto best = std::max_element(detection.hypotheses.begin(), detection.hypotheses.end(),
+                                       [](const auto& a, const auto& b) {
+                                         return a.verification.quality < b.verification.quality;
+                                       });
     if (best == detection.hypotheses.end()) continue;
     if (best->verification.quality > kPaperQuality) chosen.push_back(*best);
   }

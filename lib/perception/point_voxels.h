@@ -31,7 +31,8 @@ class PointVoxels {
   std::vector<Eigen::Vector3i> cells_;
   std::vector<Eigen::Vector3d> means_;
   std::vector<int> voxel_of_;
-  std::unordered_map<std::int64_t, int> index_;  // for look-up only; the order is that of the points
+  std::unordered_map<std::int64_t, int>
+      index_;  // for look-up only; the order is that of the points
 };
 
 /// For each node of a graph, a label from 0 that it shares with all that it is connected to; labels

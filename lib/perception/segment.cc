@@ -42,6 +42,9 @@ bool LiesOn(const Plane& plane, const Vector3d& p) {
   return std::abs(plane.normal.dot(p) - plane.offset) < PlaneTolerance(p.z());
 }
 
+/// Where there is no depth some sources have NaN, others the origin.
+bool HasDepth(const Vector3f& p) { return geometry::IsMeasured(p) && !p.isZero(); }
+
 /// The measured points that can belong to a table or to what stands on it, as indices.
 std::vector<int> Candidates(const geometry::PointImage& cloud, const Vector3d& up_C,
                             double max_range, double max_drop) {
@@ -49,7 +52,7 @@ std::vector<int> Candidates(const geometry::PointImage& cloud, const Vector3d& u
   const Vector3f up = up_C.cast<float>();
   for (int i = 0; i < static_cast<int>(cloud.points_C.size()); ++i) {
     const Vector3f& p = cloud.points_C[i];
-    if (!geometry::IsMeasured(p) || p.norm() > max_range) continue;
+    if (!HasDepth(p) || p.norm() > max_range) continue;
     if (up.dot(p) < -max_drop) continue;
     indices.push_back(i);
   }
@@ -59,7 +62,7 @@ std::vector<int> Candidates(const geometry::PointImage& cloud, const Vector3d& u
 void RefuseWrongUnit(const geometry::PointImage& cloud) {
   std::vector<float> distances;
   for (const Vector3f& p : cloud.points_C) {
-    if (geometry::IsMeasured(p)) distances.push_back(p.norm());
+    if (HasDepth(p)) distances.push_back(p.norm());
   }
   if (distances.empty()) return;
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
@@ -67,8 +70,13 @@ void RefuseWrongUnit(const geometry::PointImage& cloud) {
   if (*middle > 50.0F) {
     Throw<InvalidArgument>(
         "the cloud's median distance is {:.1f} m, which no table's is; was it declared in the "
-        "wrong "
-        "unit (millimetres taken for metres)?",
+        "wrong unit (millimetres taken for metres)?",
+        *middle);
+  }
+  if (*middle < 0.02F) {
+    Throw<InvalidArgument>(
+        "the cloud's median distance is {:.4f} m, nearer than any depth camera sees; was it "
+        "declared in the wrong unit (metres taken for millimetres)?",
         *middle);
   }
 }
@@ -392,6 +400,29 @@ std::vector<world::Cluster> MakeClusters(const geometry::PointImage& cloud,
 }
 
 }  // namespace
+
+void SegmentConfig::Validate() const {
+  const auto must_be_positive = [](const char* name, double value) {
+    if (!(value > 0.0)) Throw<ConfigError>("{} = {} must be greater than 0", name, value);
+  };
+  if (!(max_tilt_deg > 0.0 && max_tilt_deg <= 90.0)) {
+    Throw<ConfigError>("max_tilt_deg = {} must lie in 0 to 90, 0 excluded", max_tilt_deg);
+  }
+  must_be_positive("max_range_m", max_range_m);
+  must_be_positive("min_plane_points", min_plane_points);
+  must_be_positive("cluster_gap_m", cluster_gap_m);
+  must_be_positive("min_cluster_points", min_cluster_points);
+  if (min_plane_area_m2 < 0.0 || min_plane_width_m < 0.0 || edge_clearance_m < 0.0) {
+    Throw<ConfigError>(
+        "min_plane_area_m2 = {}, min_plane_width_m = {} and edge_clearance_m = {} must not be "
+        "negative",
+        min_plane_area_m2, min_plane_width_m, edge_clearance_m);
+  }
+  if (!(min_height_m >= 0.0 && min_height_m < max_height_m)) {
+    Throw<ConfigError>("min_height_m = {} must not be negative, and max_height_m = {} above it",
+                       min_height_m, max_height_m);
+  }
+}
 
 std::array<Vector3d, 4> FitRectangle(const std::vector<Vector3d>& points_C,
                                      const Vector3d& normal_C, double offset) {

@@ -51,15 +51,14 @@ void Spread(const Graph& graph, std::vector<int>* labels) {
 
 void SplitConfig::Validate() const {
   if (crease_deg <= 0.0 || crease_deg >= 180.0) {
-    Throw<ConfigError>("split.crease_deg = {} must lie between 0 and 180", crease_deg);
+    Throw<ConfigError>("crease_deg = {} must lie between 0 and 180", crease_deg);
   }
   if (window_m < 0.004 || window_m > 0.1) {
-    Throw<ConfigError>("split.window_m = {} must lie in 0.004 to 0.1", window_m);
+    Throw<ConfigError>("window_m = {} must lie in 0.004 to 0.1", window_m);
   }
   if (min_part_area_m2 < 0.0 || min_part_width_m < 0.0) {
-    Throw<ConfigError>(
-        "split.min_part_area_m2 = {} and split.min_part_width_m = {} must not be negative",
-        min_part_area_m2, min_part_width_m);
+    Throw<ConfigError>("min_part_area_m2 = {} and min_part_width_m = {} must not be negative",
+                       min_part_area_m2, min_part_width_m);
   }
 }
 

@@ -8,8 +8,8 @@ namespace secondlook::perception {
 
 /// Where things that touch are told apart.
 struct SplitConfig {
-  double crease_deg = 50.0;        ///< A surface that folds inwards by more over twice `window_m`…
-  double window_m = 0.016;         ///< …is two things; at least 6 sigma of the depth.
+  double crease_deg = 50.0;  ///< A surface that folds inwards by more over twice `window_m`…
+  double window_m = 0.016;   ///< …is two things; at least 6 sigma of the depth.
   double min_part_area_m2 = 0.0015;  ///< A smaller part belongs to the thing it touches…
   double min_part_width_m = 0.03;    ///< …and so does a narrower one: a handle.
 
