@@ -127,14 +127,14 @@ void Recognise(const RecogniseOptions& options) {
       color, depth, lens.camera, up_C, models, segment_config, perception::RecogniseConfig{});
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!found.plane_C) Throw<InvalidArgument>("{}: {}", options.depth, found.reason);
 
   if (options.json != "-") {
     PrintTable(found);
     if (found.detections.empty()) fmt::print("nothing found: {}\n", found.reason);
   }
   if (options.json.empty()) return;
-  nlohmann::ordered_json json{{"objects", nlohmann::ordered_json::array()}, {"seconds", seconds}};
+  nlohmann::ordered_json json{
+      {"objects", nlohmann::ordered_json::array()}, {"seconds", seconds}, {"reason", found.reason}};
   for (std::size_t i = 0; i < found.detections.size(); ++i) {
     const nlohmann::ordered_json object = ToJson(found.detections[i], found.choices[i]);
     if (!object.is_null()) json["objects"].push_back(object);

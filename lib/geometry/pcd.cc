@@ -45,20 +45,25 @@ class PcdFile {
   explicit PcdFile(const std::filesystem::path& path)
       : name_(path.string()), content_(ReadFile(path)) {}
 
-  PointImage Read() {
+  LabelledCloud Read(bool with_labels) {
     ReadHeader();
-    PointImage image{static_cast<int>(header_.width), static_cast<int>(header_.height), {}};
+    LabelledCloud result{{static_cast<int>(header_.width), static_cast<int>(header_.height), {}},
+                         {}};
+    const auto read_binary = [&](std::string_view bytes, bool by_column) {
+      result.cloud.points_C = ReadBinary(bytes, by_column);
+      if (with_labels) result.labels = ReadBinaryLabels(bytes, by_column);
+    };
     if (header_.data == "ascii") {
-      image.points_C = ReadAscii();
+      result.cloud.points_C = ReadAscii();
+      if (with_labels) Fail("labels are read from DATA binary and binary_compressed only");
     } else if (header_.data == "binary") {
-      image.points_C = ReadBinary(Rest(), false);
+      read_binary(Rest(), false);
     } else if (header_.data == "binary_compressed") {
-      const std::string columns = Decompress();
-      image.points_C = ReadBinary(columns, true);
+      read_binary(Decompress(), true);
     } else {
       Fail("its DATA is '" + header_.data + "'; ascii, binary and binary_compressed are known");
     }
-    return image;
+    return result;
   }
 
  private:
@@ -105,27 +110,49 @@ class PcdFile {
     }
   }
 
-  /// Index of the field of that name, a float of 4 or 8 bytes.
   std::size_t FindField(const std::string& name) const {
     for (std::size_t i = 0; i < header_.fields.size(); ++i) {
-      const Field& field = header_.fields[i];
-      if (field.name != name) continue;
-      if (field.type != 'F' || (field.size != 4 && field.size != 8) || field.count != 1) {
-        Fail("its field '" + name + "' is not one float");
-      }
-      return i;
+      if (header_.fields[i].name == name) return i;
     }
     Fail("it has no field '" + name + "'");
   }
 
+  /// Index of the field of that name, a float of 4 or 8 bytes.
+  std::size_t FindFloat(const std::string& name) const {
+    const std::size_t i = FindField(name);
+    const Field& field = header_.fields[i];
+    if (field.type != 'F' || (field.size != 4 && field.size != 8) || field.count != 1) {
+      Fail("its field '" + name + "' is not one float");
+    }
+    return i;
+  }
+
+  /// Where the values of one field stand in the data.
+  struct Column {
+    std::size_t offset{};
+    std::size_t stride{};
+    std::size_t size{};
+  };
+
+  Column ColumnOf(std::size_t index, bool by_column) const {
+    std::size_t offset = 0;
+    for (std::size_t i = 0; i < index; ++i) {
+      offset += header_.fields[i].size * header_.fields[i].count;
+    }
+    const std::size_t size = header_.fields[index].size;
+    return by_column ? Column{offset * header_.points(), size, size}
+                     : Column{offset, header_.point_size(), size};
+  }
+
   static Eigen::Vector3f OrNone(const Eigen::Vector3f& p) {
-    return p.allFinite() ? p : Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+    const bool is_measured = p.allFinite() && !p.isZero();
+    return is_measured ? p : Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   }
 
   std::vector<Eigen::Vector3f> ReadAscii() const {
     std::array<std::size_t, 3> columns{};
     for (int axis = 0; axis < 3; ++axis) {
-      const std::size_t index = FindField(std::string(1, static_cast<char>('x' + axis)));
+      const std::size_t index = FindFloat(std::string(1, static_cast<char>('x' + axis)));
       for (std::size_t i = 0; i < index; ++i) columns[axis] += header_.fields[i].count;
     }
     std::size_t values_per_point = 0;
@@ -151,21 +178,9 @@ class PcdFile {
       Fail(fmt::format("it holds {} bytes of data, {} points need {}", bytes.size(), n,
                        n * header_.point_size()));
     }
-    struct Column {
-      std::size_t offset{};
-      std::size_t stride{};
-      std::size_t size{};
-    };
     std::array<Column, 3> columns;
     for (int axis = 0; axis < 3; ++axis) {
-      const std::size_t index = FindField(std::string(1, static_cast<char>('x' + axis)));
-      std::size_t offset = 0;
-      for (std::size_t i = 0; i < index; ++i) {
-        offset += header_.fields[i].size * header_.fields[i].count;
-      }
-      const std::size_t size = header_.fields[index].size;
-      columns[axis] =
-          by_column ? Column{offset * n, size, size} : Column{offset, header_.point_size(), size};
+      columns[axis] = ColumnOf(FindFloat(std::string(1, static_cast<char>('x' + axis))), by_column);
     }
     std::vector<Eigen::Vector3f> points;
     points.reserve(n);
@@ -186,6 +201,21 @@ class PcdFile {
       points.push_back(OrNone(p));
     }
     return points;
+  }
+
+  /// @pre ReadBinary() has found the bytes complete.
+  std::vector<std::uint32_t> ReadBinaryLabels(std::string_view bytes, bool by_column) const {
+    const std::size_t index = FindField("label");
+    const Field& field = header_.fields[index];
+    if (field.type != 'U' || field.size != 4 || field.count != 1) {
+      Fail("its field 'label' is not one unsigned integer of 4 bytes");
+    }
+    const Column column = ColumnOf(index, by_column);
+    std::vector<std::uint32_t> labels(header_.points());
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      std::memcpy(&labels[i], bytes.data() + column.offset + i * column.stride, 4);
+    }
+    return labels;
   }
 
   /// The LZF block (M. Lehmann's LibLZF format) behind the two sizes, unpacked.
@@ -237,6 +267,10 @@ class PcdFile {
 
 }  // namespace
 
-PointImage ReadPcd(const std::filesystem::path& file) { return PcdFile(file).Read(); }
+PointImage ReadPcd(const std::filesystem::path& file) { return PcdFile(file).Read(false).cloud; }
+
+LabelledCloud ReadLabelledPcd(const std::filesystem::path& file) {
+  return PcdFile(file).Read(true);
+}
 
 }  // namespace secondlook::geometry

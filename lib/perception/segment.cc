@@ -7,7 +7,6 @@
 #include <numbers>
 #include <numeric>
 #include <set>
-#include <unordered_map>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -15,6 +14,8 @@
 
 #include "lib/common/error.h"
 #include "lib/common/rng.h"
+#include "lib/perception/hollow.h"
+#include "lib/perception/point_voxels.h"
 
 namespace secondlook::perception {
 namespace {
@@ -41,6 +42,9 @@ bool LiesOn(const Plane& plane, const Vector3d& p) {
   return std::abs(plane.normal.dot(p) - plane.offset) < PlaneTolerance(p.z());
 }
 
+/// Where there is no depth some sources have NaN, others the origin.
+bool HasDepth(const Vector3f& p) { return geometry::IsMeasured(p) && !p.isZero(); }
+
 /// The measured points that can belong to a table or to what stands on it, as indices.
 std::vector<int> Candidates(const geometry::PointImage& cloud, const Vector3d& up_C,
                             double max_range, double max_drop) {
@@ -48,7 +52,7 @@ std::vector<int> Candidates(const geometry::PointImage& cloud, const Vector3d& u
   const Vector3f up = up_C.cast<float>();
   for (int i = 0; i < static_cast<int>(cloud.points_C.size()); ++i) {
     const Vector3f& p = cloud.points_C[i];
-    if (!geometry::IsMeasured(p) || p.norm() > max_range) continue;
+    if (!HasDepth(p) || p.norm() > max_range) continue;
     if (up.dot(p) < -max_drop) continue;
     indices.push_back(i);
   }
@@ -58,7 +62,7 @@ std::vector<int> Candidates(const geometry::PointImage& cloud, const Vector3d& u
 void RefuseWrongUnit(const geometry::PointImage& cloud) {
   std::vector<float> distances;
   for (const Vector3f& p : cloud.points_C) {
-    if (geometry::IsMeasured(p)) distances.push_back(p.norm());
+    if (HasDepth(p)) distances.push_back(p.norm());
   }
   if (distances.empty()) return;
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
@@ -66,8 +70,13 @@ void RefuseWrongUnit(const geometry::PointImage& cloud) {
   if (*middle > 50.0F) {
     Throw<InvalidArgument>(
         "the cloud's median distance is {:.1f} m, which no table's is; was it declared in the "
-        "wrong "
-        "unit (millimetres taken for metres)?",
+        "wrong unit (millimetres taken for metres)?",
+        *middle);
+  }
+  if (*middle < 0.02F) {
+    Throw<InvalidArgument>(
+        "the cloud's median distance is {:.4f} m, nearer than any depth camera sees; was it "
+        "declared in the wrong unit (metres taken for millimetres)?",
         *middle);
   }
 }
@@ -224,22 +233,24 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     std::optional<Plane> plane = Ransac(sample, level, max_tilt, &rng);
     if (!plane) break;
     for (int i = 0; i < 3; ++i) plane = Refit(sample, *plane, up);
-    std::erase_if(sample, [&](const Vector3f& p) { return LiesOn(*plane, p.cast<double>()); });
-    // A point belongs to the first plane only: the edge of a table is no second, tilted table.
     std::vector<Vector3d> inliers;
-    std::erase_if(left, [&](int i) {
+    for (const int i : left) {
       const Vector3d p = cloud.points_C[i].cast<double>();
-      if (!LiesOn(*plane, p)) return false;
-      inliers.push_back(p);
-      return true;
-    });
+      if (LiesOn(*plane, p)) inliers.push_back(p);
+    }
     // The best fit to a strip of wall is the wall.
-    if (plane->normal.dot(level) < std::cos(max_tilt)) continue;
-    most_points = std::max(most_points, static_cast<int>(inliers.size()));
-    if (static_cast<int>(inliers.size()) < config.min_plane_points) continue;
-    std::vector<Vector3d> patch = LargestPatch(inliers, plane->normal);
-    // By itself: what else the plane cuts through has tilted it.
-    plane = Refit(patch, *plane, up);
+    const bool is_level = plane->normal.dot(level) >= std::cos(max_tilt);
+    if (is_level) most_points = std::max(most_points, static_cast<int>(inliers.size()));
+    std::vector<Vector3d> patch;
+    if (is_level && static_cast<int>(inliers.size()) >= config.min_plane_points) {
+      patch = LargestPatch(inliers, plane->normal);
+      // By itself: what else the plane cuts through has tilted it.
+      plane = Refit(patch, *plane, up);
+    }
+    // A point belongs to the first plane only: the edge of a table is no second, tilted table.
+    std::erase_if(sample, [&](const Vector3f& p) { return LiesOn(*plane, p.cast<double>()); });
+    std::erase_if(left, [&](int i) { return LiesOn(*plane, cloud.points_C[i].cast<double>()); });
+    if (patch.empty()) continue;
     // Not the convex extent: a plane through the flanks of many things has that, but no surface.
     const double area =
         kThinning * kThinning * static_cast<double>(Thinned(patch, plane->normal).size());
@@ -276,53 +287,12 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
 
 /// Groups points whose distance is below `gap`, by voxels of half that size; labels count from 0.
 std::vector<int> ClusterLabels(const std::vector<Vector3d>& points, double gap) {
-  const double cell = gap / 2.0;
-  const auto key_of = [](const Eigen::Vector3i& c) {
-    constexpr std::int64_t kBias = 1 << 20;
-    return ((c.x() + kBias) << 42) | ((c.y() + kBias) << 21) | (c.z() + kBias);
-  };
-  struct Voxel {
-    Eigen::Vector3i cell;
-    Vector3d sum{Vector3d::Zero()};
-    int count{};
-    int parent{};
-  };
-  std::vector<Voxel> voxels;
-  std::vector<int> voxel_of;
-  std::unordered_map<std::int64_t, int> index;  // for look-up only; the order is that of `voxels`
-  for (const Vector3d& p : points) {
-    const Eigen::Vector3i c = (p / cell).array().floor().cast<int>();
-    const auto [entry, is_new] = index.try_emplace(key_of(c), static_cast<int>(voxels.size()));
-    if (is_new) voxels.push_back({c, Vector3d::Zero(), 0, entry->second});
-    Voxel& voxel = voxels[entry->second];
-    voxel.sum += p;
-    ++voxel.count;
-    voxel_of.push_back(entry->second);
-  }
-  const auto root = [&](int i) {
-    while (voxels[i].parent != i) i = voxels[i].parent = voxels[voxels[i].parent].parent;
-    return i;
-  };
-  for (int i = 0; i < static_cast<int>(voxels.size()); ++i) {
-    const Vector3d mean = voxels[i].sum / voxels[i].count;
-    for (int n = 0; n < 125; ++n) {
-      const Eigen::Vector3i offset(n % 5 - 2, n / 5 % 5 - 2, n / 25 - 2);
-      const auto neighbour = index.find(key_of(voxels[i].cell + offset));
-      if (neighbour == index.end() || neighbour->second <= i) continue;
-      const Voxel& other = voxels[neighbour->second];
-      if ((other.sum / other.count - mean).norm() < gap) {
-        voxels[root(neighbour->second)].parent = root(i);
-      }
-    }
-  }
-  std::vector<int> label(voxels.size(), -1);
-  int next = 0;
+  const PointVoxels voxels(points, gap / 2.0);
+  std::vector<std::vector<int>> neighbours(voxels.size());
+  for (int i = 0; i < voxels.size(); ++i) neighbours[i] = voxels.Neighbours(i, 2, gap);
+  const std::vector<int> components = ConnectedComponents(neighbours);
   std::vector<int> labels;
-  for (const int v : voxel_of) {
-    int& l = label[root(v)];
-    if (l < 0) l = next++;
-    labels.push_back(l);
-  }
+  for (const int voxel : voxels.voxel_of()) labels.push_back(components[voxel]);
   return labels;
 }
 
@@ -350,26 +320,79 @@ bool OnBorder(const geometry::PointImage& cloud, int pixel) {
   return u < 2 || v < 2 || u >= cloud.width - 2 || v >= cloud.height - 2;
 }
 
+/// The points in groups by their labels, which count from 0.
+std::vector<std::vector<int>> Grouped(const std::vector<int>& indices,
+                                      const std::vector<int>& labels) {
+  std::vector<std::vector<int>> groups;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    if (labels[i] >= static_cast<int>(groups.size())) groups.resize(labels[i] + 1);
+    groups[labels[i]].push_back(indices[i]);
+  }
+  return groups;
+}
+
+std::vector<Vector3d> PointsOf(const geometry::PointImage& cloud, const std::vector<int>& indices) {
+  std::vector<Vector3d> points;
+  points.reserve(indices.size());
+  for (const int i : indices) points.push_back(cloud.points_C[i].cast<double>());
+  return points;
+}
+
+world::Cluster MakeCluster(const geometry::PointImage& cloud, const std::vector<int>& pixels) {
+  world::Cluster cluster;
+  cluster.pixels = pixels;
+  cluster.points_C = PointsOf(cloud, pixels);
+  for (const Vector3d& p : cluster.points_C) cluster.center_C += p;
+  cluster.center_C /= static_cast<double>(pixels.size());
+  cluster.touches_border =
+      cloud.organised() &&
+      std::any_of(pixels.begin(), pixels.end(), [&](int pixel) { return OnBorder(cloud, pixel); });
+  return cluster;
+}
+
+/// The points of each thing: what is connected, cut where things touch, with the inside of what is
+/// hollow joined to its outside.
+std::vector<std::vector<int>> Things(const geometry::PointImage& cloud,
+                                     const std::vector<int>& above,
+                                     const world::SupportPlane& plane,
+                                     const SegmentConfig& config) {
+  const auto is_noise = [&](const std::vector<int>& pixels) {
+    return static_cast<int>(pixels.size()) < config.min_cluster_points;
+  };
+  std::vector<std::vector<int>> connected =
+      Grouped(above, ClusterLabels(PointsOf(cloud, above), config.cluster_gap_m));
+  std::erase_if(connected, is_noise);
+  if (!config.split_touching) return connected;
+
+  std::vector<std::vector<int>> parts;
+  std::vector<std::vector<Vector3d>> points;
+  for (const std::vector<int>& pixels : connected) {
+    const std::vector<int> labels = SplitAtCreases(PointsOf(cloud, pixels), config.split);
+    for (std::vector<int>& part : Grouped(pixels, labels)) {
+      if (is_noise(part)) continue;
+      points.push_back(PointsOf(cloud, part));
+      parts.push_back(std::move(part));
+    }
+  }
+  const std::vector<int> outside = FindOutsides(points, plane, config.split.window_m);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (outside[i] == static_cast<int>(i)) continue;
+    std::vector<int>& whole = parts[outside[i]];
+    whole.insert(whole.end(), parts[i].begin(), parts[i].end());
+    std::sort(whole.begin(), whole.end());
+    parts[i].clear();
+  }
+  std::erase_if(parts, [](const std::vector<int>& part) { return part.empty(); });
+  return parts;
+}
+
 std::vector<world::Cluster> MakeClusters(const geometry::PointImage& cloud,
                                          const std::vector<int>& above,
+                                         const world::SupportPlane& plane,
                                          const SegmentConfig& config) {
-  std::vector<Vector3d> points;
-  for (const int i : above) points.push_back(cloud.points_C[i].cast<double>());
-  const std::vector<int> labels = ClusterLabels(points, config.cluster_gap_m);
   std::vector<world::Cluster> clusters;
-  for (std::size_t i = 0; i < above.size(); ++i) {
-    if (labels[i] >= static_cast<int>(clusters.size())) clusters.emplace_back();
-    world::Cluster& cluster = clusters[labels[i]];
-    cluster.pixels.push_back(above[i]);
-    cluster.points_C.push_back(points[i]);
-    cluster.center_C += points[i];
-    if (cloud.organised() && OnBorder(cloud, above[i])) cluster.touches_border = true;
-  }
-  std::erase_if(clusters, [&](const world::Cluster& cluster) {
-    return static_cast<int>(cluster.pixels.size()) < config.min_cluster_points;
-  });
-  for (world::Cluster& cluster : clusters) {
-    cluster.center_C /= static_cast<double>(cluster.points_C.size());
+  for (const std::vector<int>& pixels : Things(cloud, above, plane, config)) {
+    clusters.push_back(MakeCluster(cloud, pixels));
   }
   std::stable_sort(clusters.begin(), clusters.end(),
                    [](const auto& a, const auto& b) { return a.pixels.size() > b.pixels.size(); });
@@ -377,6 +400,29 @@ std::vector<world::Cluster> MakeClusters(const geometry::PointImage& cloud,
 }
 
 }  // namespace
+
+void SegmentConfig::Validate() const {
+  const auto must_be_positive = [](const char* name, double value) {
+    if (!(value > 0.0)) Throw<ConfigError>("{} = {} must be greater than 0", name, value);
+  };
+  if (!(max_tilt_deg > 0.0 && max_tilt_deg <= 90.0)) {
+    Throw<ConfigError>("max_tilt_deg = {} must lie in 0 to 90, 0 excluded", max_tilt_deg);
+  }
+  must_be_positive("max_range_m", max_range_m);
+  must_be_positive("min_plane_points", min_plane_points);
+  must_be_positive("cluster_gap_m", cluster_gap_m);
+  must_be_positive("min_cluster_points", min_cluster_points);
+  if (min_plane_area_m2 < 0.0 || min_plane_width_m < 0.0 || edge_clearance_m < 0.0) {
+    Throw<ConfigError>(
+        "min_plane_area_m2 = {}, min_plane_width_m = {} and edge_clearance_m = {} must not be "
+        "negative",
+        min_plane_area_m2, min_plane_width_m, edge_clearance_m);
+  }
+  if (!(min_height_m >= 0.0 && min_height_m < max_height_m)) {
+    Throw<ConfigError>("min_height_m = {} must not be negative, and max_height_m = {} above it",
+                       min_height_m, max_height_m);
+  }
+}
 
 std::array<Vector3d, 4> FitRectangle(const std::vector<Vector3d>& points_C,
                                      const Vector3d& normal_C, double offset) {
@@ -413,7 +459,7 @@ Segmentation Segment(const geometry::PointImage& cloud, const Vector3d& up_C,
   const std::vector<int> above =
       PointsAbove(cloud, candidates, *search.plane, search.patch, config);
   Segmentation result{search.plane, Thinned(search.patch, search.plane->normal_A),
-                      MakeClusters(cloud, above, config), ""};
+                      MakeClusters(cloud, above, *search.plane, config), ""};
   if (result.clusters.empty()) {
     result.reason = fmt::format(
         "nothing stands on the support plane: {} points above it form no "

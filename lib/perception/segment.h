@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "lib/geometry/point_image.h"
+#include "lib/perception/split.h"
 #include "lib/world/observation.h"
 #include "lib/world/support_plane.h"
 
@@ -26,6 +27,8 @@ struct SegmentConfig {
   double edge_clearance_m = 0.02;  ///< How far beyond the plane's convex extent things may reach.
   double cluster_gap_m = 0.015;    ///< Things farther apart are two.
   int min_cluster_points = 80;     ///< Smaller clusters are noise.
+  bool split_touching = true;      ///< False: what touches is one cluster.
+  SplitConfig split;
 
   template <class A>
   void Serialize(A* a) {
@@ -39,7 +42,12 @@ struct SegmentConfig {
     a->Visit("edge_clearance_m", &edge_clearance_m);
     a->Visit("cluster_gap_m", &cluster_gap_m);
     a->Visit("min_cluster_points", &min_cluster_points);
+    a->Visit("split_touching", &split_touching);
+    a->Visit("split", &split);
   }
+
+  /// @throws ConfigError naming the value that is out of range.
+  void Validate() const;
 };
 
 /// A view cut into plane and things.
@@ -55,13 +63,14 @@ struct Segmentation {
 /// Finds the support plane by RANSAC: of the planes whose normal lies near `up_C`, the unit vector
 /// against gravity in the camera frame (a wall is not a table), the highest that is large enough
 /// (the floor is not a table either), then what stands on it: points over the convex extent of the
-/// plane, clustered by Euclidean distance.
+/// plane, clustered by Euclidean distance, cut where things touch (SplitAtCreases()), and with the
+/// inside of what is hollow joined to its outside (FindOutsides()).
 /// Points lower than `max_drop` [m] below the camera are left out: where the camera's height is
 /// known, that takes the floor out of the question, and the largest plane is taken instead of the
 /// highest (a crate beside the table may be higher).
 /// Deterministic: the same points give the same result.
 /// @throws InvalidArgument when `up_C` is not finite or zero, or when the cloud's values show that
-/// it is not in metres (the median distance is over 50 m).
+/// it is not in metres (the median distance is over 50 m or under 2 cm).
 Segmentation Segment(const geometry::PointImage& cloud, const Eigen::Vector3d& up_C,
                      const SegmentConfig& config,
                      double max_drop = std::numeric_limits<double>::infinity());

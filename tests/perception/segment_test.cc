@@ -120,15 +120,22 @@ TEST(Segment, TakesTheTableAndNotAHigherCrateWhereTheFloorIsOut) {
 }
 
 TEST(Segment, TakesTheFarTableAndNotTheNearerTopOfALowerCrate) {
-  SceneCloud scene;
-  // More points than of the table, and a plane that leans from it into the table's near half has
-  // more still.
-  for (int i = 0; i < 8; ++i) scene.Rectangle({0.5, -0.7, -0.56}, {0.4, 0, 0}, {0, 0.4, 0});
-  scene.Rectangle({1.2, -0.4, -0.5}, {0.8, 0, 0}, {0, 1.2, 0});
-  const Segmentation result = Segment(scene.cloud(), kUp, {}, 1.0);
-  ASSERT_TRUE(result.plane_C) << result.reason;
-  EXPECT_NEAR(result.plane_C->offset, -0.5, 0.005);
-  EXPECT_NEAR(result.plane_C->normal_A.dot(kUp), 1.0, 1e-4);
+  // A plane that leans from one to the other has more points than either: with the first crate a
+  // part of the table's, with the second all.
+  struct Distances {
+    double crate_height, table_x, table_depth;
+  };
+  for (const Distances& d : {Distances{-0.56, 1.2, 0.8}, Distances{-0.525, 1.5, 0.6}}) {
+    SceneCloud scene;
+    for (int i = 0; i < 8; ++i) {
+      scene.Rectangle({0.5, -0.7, d.crate_height}, {0.4, 0, 0}, {0, 0.4, 0});
+    }
+    scene.Rectangle({d.table_x, -0.4, -0.5}, {d.table_depth, 0, 0}, {0, 1.2, 0});
+    const Segmentation result = Segment(scene.cloud(), kUp, {}, 1.0);
+    ASSERT_TRUE(result.plane_C) << result.reason;
+    EXPECT_NEAR(result.plane_C->offset, -0.5, 0.005) << "crate at " << d.crate_height;
+    EXPECT_NEAR(result.plane_C->normal_A.dot(kUp), 1.0, 1e-4);
+  }
 }
 
 TEST(Segment, SaysWhyThereIsNoPlaneWhereThereIsOnlyAWall) {
