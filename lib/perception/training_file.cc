@@ -71,8 +71,9 @@ class Reader {
   /// The next `count` values of `size` bytes, which must be there.
   std::string_view Take(std::size_t count, std::size_t size) {
     if (count > bytes_.size() / size) {
-      Throw<ConfigError>("{}: is damaged: {} values of {} bytes are to follow, but {} bytes are left",
-                         file_.string(), count, size, bytes_.size());
+      Throw<ConfigError>(
+          "{}: is damaged: {} values of {} bytes are to follow, but {} bytes are left",
+          file_.string(), count, size, bytes_.size());
     }
     const std::string_view taken = bytes_.substr(0, count * size);
     bytes_.remove_prefix(taken.size());

@@ -58,9 +58,7 @@ class TrainingFileTest : public testing::Test {
     WriteFile(File(), bytes);
   }
 
-  RecognitionModel Train() const {
-    return TrainModels(world::ObjectDatabase({cup_})).front();
-  }
+  RecognitionModel Train() const { return TrainModels(world::ObjectDatabase({cup_})).front(); }
 
   /// Expects that the file is refused with `message`, warned about and made anew.
   void ExpectMadeAnew(const std::string& message) {
