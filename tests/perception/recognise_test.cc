@@ -77,6 +77,18 @@ TEST_F(Recognising, TellsBoxesApartByTheirPrintWhereItShows) {
   }
 }
 
+TEST_F(Recognising, IsNotDisturbedByAModelOfOneTriangle) {
+  Rng rng(5);
+  world::ObjectModel sheet = MakeEll("sheet", kRed, kRed);
+  sheet.mesh.triangles.resize(1);
+  sheet.mesh.triangle_material.resize(1);
+  std::vector<RecognitionModel> models = Models();
+  models.push_back(TrainModel(sheet));
+  const SyntheticView scene = DrawView({{&Model("ell"), Upright(0.0, 0.0, 0.7)}}, 0.4, true, &rng);
+  world::Hypothesis chosen;
+  EXPECT_EQ(Chosen(scene, models, &chosen), "ell");
+}
+
 TEST_F(Recognising, IsUnsureOfBoxesWhosePrintIsTurnedAway) {
   Rng rng(2);
   const SyntheticView scene =
