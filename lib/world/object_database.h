@@ -16,7 +16,8 @@ struct ObjectModel {
   std::uint64_t hash{};  ///< Of the mesh, material and texture files; caches are keyed by it.
 };
 
-/// The sub-folders of `folder` that hold a model, by name.
+/// The sub-folders of `folder` that hold a model, by name; those that AddModel has not finished are
+/// not among them.
 /// @throws ConfigError when the folder is missing or holds none.
 std::vector<std::filesystem::path> ModelFolders(const std::filesystem::path& folder);
 
@@ -37,6 +38,9 @@ class ObjectDatabase {
 
   /// A database of `models`, as tests use it. @throws InvalidArgument for two of one name.
   explicit ObjectDatabase(std::vector<ObjectModel> models);
+
+  /// Adds one more. @throws InvalidArgument when there is one of its name.
+  void Add(ObjectModel model);
 
   const std::vector<ObjectModel>& models() const { return models_; }
 
