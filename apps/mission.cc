@@ -418,6 +418,11 @@ void Mission::SetTask(const world::Task& task) {
   scene_.SetTask(task);
 }
 
+void Mission::Learn(const world::ObjectModel& model) {
+  scene_.Learn(model);
+  ray_casters_.emplace(model.name, model.mesh);
+}
+
 void Mission::End(Progress progress, std::string why) {
   robot_->Stop();
   progress_ = progress;

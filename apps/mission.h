@@ -62,8 +62,9 @@ using LookChooser =
 /// All its knowledge comes through the robot's devices.
 class Mission {
  public:
-  /// `database`, `publisher` and `robot` must outlive this. `stop` is asked often, from the
-  /// mission's thread. What happens is told to `publisher`; it changes nothing.
+  /// `database`, `publisher` and `robot` must outlive this. `database` may grow (Learn). `stop` is
+  /// asked often, from the mission's thread. What happens is told to `publisher`; it changes
+  /// nothing.
   /// @throws ConfigError when `config` holds a value that is not valid.
   Mission(const MissionConfig& config, const world::Task& task,
           const world::ObjectDatabase& database, const kinematics::HeadCalibration& calibration,
@@ -82,6 +83,10 @@ class Mission {
   /// What is wanted from the next step on.
   /// @throws ConfigError when `task` is not valid or wants a class that is not in the database.
   void SetTask(const world::Task& task);
+
+  /// Knows `model`, which has been added to the database, from the next frame on. What was called
+  /// unknown may be it, so it is open again.
+  void Learn(const world::ObjectModel& model);
 
   /// Lets `choose` decide on each look from now on.
   void LetChoose(LookChooser choose) { choose_ = std::move(choose); }

@@ -46,6 +46,10 @@ StopRequest MissionLog::Recorded(StopRequest stop, std::function<int()> signal) 
 
 void MissionLog::Task(const world::Task& task) { recorder_.Task(ToMessage(task)); }
 
+void MissionLog::NewModel(const world::ObjectModel& model) {
+  recorder_.NewModel(ToRecorded(model));
+}
+
 std::string MissionLog::Close() {
   log_.Close();
   const std::string failure = log_.failure();
@@ -53,12 +57,17 @@ std::string MissionLog::Close() {
   return fmt::format("the recording in {} is not whole: {}", file_.string(), failure);
 }
 
+second_look::rec_model_t ToRecorded(const world::ObjectModel& model) {
+  second_look::rec_model_t recorded{};
+  recorded.name = model.name;
+  recorded.hash = static_cast<std::int64_t>(model.hash);
+  return recorded;
+}
+
 std::vector<second_look::rec_model_t> ModelsOf(const world::ObjectDatabase& database) {
   std::vector<second_look::rec_model_t> models;
   for (const world::ObjectModel& model : database.models()) {
-    models.push_back({});
-    models.back().name = model.name;
-    models.back().hash = static_cast<std::int64_t>(model.hash);
+    models.push_back(ToRecorded(model));
   }
   return models;
 }

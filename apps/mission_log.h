@@ -33,6 +33,8 @@ class MissionLog : public transport::Sink {
 
   /// The mission has got this task.
   void Task(const world::Task& task);
+  /// The mission has got this model.
+  void NewModel(const world::ObjectModel& model);
 
   void Post(const transport::Message& message) override { log_.Post(message); }
 
@@ -48,7 +50,10 @@ class MissionLog : public transport::Sink {
   hal::Recorder recorder_{&log_};
 };
 
-/// The models of `database`, as a recording names them.
+/// A model, as a recording names it.
+second_look::rec_model_t ToRecorded(const world::ObjectModel& model);
+
+/// The models of `database`, likewise.
 std::vector<second_look::rec_model_t> ModelsOf(const world::ObjectDatabase& database);
 
 }  // namespace secondlook::apps

@@ -108,6 +108,18 @@ SceneUnderstanding::SceneUnderstanding(const UnderstandingConfig& config, const 
       models_(perception::TrainModels(database)),
       space_(config.voxel_space) {}
 
+void SceneUnderstanding::Learn(const world::ObjectModel& model) {
+  const auto place =
+      std::find_if(models_.begin(), models_.end(),
+                   [&](const perception::RecognitionModel& m) { return m.name > model.name; });
+  models_.insert(place, perception::TrainModel(model));
+  for (ObjectBelief& object : belief_.objects) {
+    if (object.state != ObjectState::kUnknown) continue;
+    object.state = ObjectState::kCandidate;
+    object.reason = fmt::format("may be '{}', which is known since", model.name);
+  }
+}
+
 std::string SceneUnderstanding::Add(const Capture& capture) {
   const hal::RgbdFrame& frame = capture.frame;
   const geometry::PointImage cloud = geometry::Deproject(frame.depth, capture.camera);

@@ -36,6 +36,10 @@ class SceneUnderstanding {
   const world::VoxelSpace& space() const { return space_; }
   const std::vector<perception::RecognitionModel>& models() const { return models_; }
 
+  /// Knows one model more from the next view on. What was called unknown is open again.
+  /// @pre none of its name is known.
+  void Learn(const world::ObjectModel& model);
+
   /// What is wanted from now on.
   void SetTask(const world::Task& task) { task_ = task; }
 

@@ -52,6 +52,28 @@ class Advance : public transport::Sink {
   hal::Playback* playback_;
 };
 
+/// The models that the recorded mission got on its way, with their hashes.
+std::map<std::string, std::uint64_t> NewModels(const hal::Recording& recording) {
+  std::map<std::string, std::uint64_t> models;
+  for (const hal::Segment& segment : recording.segments) {
+    for (const second_look::rec_model_t& model : segment.models) {
+      models[model.name] = static_cast<std::uint64_t>(model.hash);
+    }
+  }
+  return models;
+}
+
+/// What the recorded mission began with, of what lies on disk now.
+world::ObjectDatabase AtTheStart(const hal::Recording& recording,
+                                 const world::ObjectDatabase& on_disk) {
+  const std::map<std::string, std::uint64_t> later = NewModels(recording);
+  std::vector<world::ObjectModel> models;
+  for (const world::ObjectModel& model : on_disk.models()) {
+    if (!later.contains(model.name)) models.push_back(model);
+  }
+  return world::ObjectDatabase(std::move(models));
+}
+
 /// Says beforehand what may make this mission decide otherwise than the recorded one.
 void WarnOfWhatDiffers(const hal::Recording& recording, const world::ObjectDatabase& database) {
   for (const std::string& warning : recording.warnings) spdlog::warn("{}", warning);
@@ -59,7 +81,7 @@ void WarnOfWhatDiffers(const hal::Recording& recording, const world::ObjectDatab
     spdlog::warn("recorded by version {}, replayed by version {}: it may decide otherwise",
                  recording.start.version, kVersion);
   }
-  std::map<std::string, std::uint64_t> recorded;
+  std::map<std::string, std::uint64_t> recorded = NewModels(recording);
   for (const second_look::rec_model_t& model : recording.start.models) {
     recorded[model.name] = static_cast<std::uint64_t>(model.hash);
   }
@@ -83,18 +105,21 @@ void WarnOfWhatDiffers(const hal::Recording& recording, const world::ObjectDatab
 /// A mission that is fed from a recording, and how it compares with the recorded one.
 class Replayed {
  public:
+  /// `on_disk` is the whole database; the mission begins with what the recorded one began with.
   Replayed(const hal::Recording& recording, const RunConfig& config,
-           const world::ObjectDatabase& database, bool follow)
+           const world::ObjectDatabase& on_disk, bool follow)
       : recording_(recording),
+        on_disk_(on_disk),
+        database_(AtTheStart(recording, on_disk)),
         check_(recording),
         playback_(recording),
         advance_(&playback_),
         robot_(playback_.MakeRobot()),
         publisher_({&check_, &advance_, &story_}),
         mission_(
-            config.mission, config.task, database, recording.robot.calibration, config.seed,
+            config.mission, config.task, database_, recording.robot.calibration, config.seed,
             [this, follow] { return StopAsked(follow); }, &publisher_, &robot_),
-        start_(DescribeStart(config, database, robot_.clock->Now())) {
+        start_(DescribeStart(config, database_, robot_.clock->Now())) {
     if (follow) mission_.LetChoose(FollowLooks(recording, &check_));
   }
 
@@ -137,8 +162,17 @@ class Replayed {
   }
 
   void Step() {
+    for (const second_look::rec_model_t& model : playback_.models()) Learn(model.name);
     for (const second_look::task_t& task : playback_.tasks()) mission_.SetTask(FromMessage(task));
     progress_ = mission_.Step();
+  }
+
+  /// As the recorded mission learned it, when the folder holds it still.
+  void Learn(const std::string& name) {
+    const world::ObjectModel* model = on_disk_.Find(name);
+    if (model == nullptr || database_.Find(name) != nullptr) return;
+    mission_.Learn(*model);
+    database_.Add(*model);
   }
 
   void TellEnd() {
@@ -146,6 +180,8 @@ class Replayed {
   }
 
   const hal::Recording& recording_;
+  const world::ObjectDatabase& on_disk_;
+  world::ObjectDatabase database_;  // what the mission knows
   DecisionCheck check_;
   hal::Playback playback_;
   Advance advance_;

@@ -17,6 +17,7 @@
 #include "apps/mission.h"
 #include "apps/mission_log.h"
 #include "apps/mission_message.h"
+#include "apps/model_watch.h"
 #include "apps/publisher.h"
 #include "apps/report.h"
 #include "apps/run_config.h"
@@ -73,6 +74,17 @@ void PassOnTask(Executive* executive, MissionLog* log, Mission* mission) {
   }
 }
 
+/// Gives the mission the models that have been added to its database. `log` may be null.
+void PassOnModels(ModelWatch* watch, MissionLog* log, world::ObjectDatabase* database,
+                  Mission* mission) {
+  for (world::ObjectModel& model : watch->Take()) {
+    mission->Learn(model);
+    if (log != nullptr) log->NewModel(model);
+    spdlog::info("model '{}' is known from here on", model.name);
+    database->Add(std::move(model));
+  }
+}
+
 int Run(const RunOptions& options) {
   CatchStopSignals();
   const RunConfig config = LoadRunConfig(options.config, options.overrides);
@@ -84,7 +96,8 @@ int Run(const RunOptions& options) {
   Story story;
   if (!options.report.empty()) sinks.push_back(&story);
   const ThreadLimit threads(config.threads);
-  const auto database = world::ObjectDatabase::Load(config.models);
+  auto database = world::ObjectDatabase::Load(config.models);
+  ModelWatch watch(config.models, database);
   RequireKnownClasses(config.task, database);
   std::optional<MissionLog> log;
   if (!options.log.empty()) log.emplace(options.log, options.log_split_mb);
@@ -119,6 +132,7 @@ int Run(const RunOptions& options) {
       progress = stop() ? Progress::kStopped : Progress::kSettled;
     } else {
       while (progress == Progress::kMore) {
+        PassOnModels(&watch, log ? &*log : nullptr, &database, &mission);
         PassOnTask(&executive, log ? &*log : nullptr, &mission);
         progress = mission.Step();
       }

@@ -35,6 +35,7 @@ const std::vector<ChannelType>& RecordingChannels() {
       {channel::kRecError, "second_look.rec_error_t"},
       {channel::kRecStop, "second_look.rec_stop_t"},
       {channel::kRecTask, "second_look.task_t"},
+      {channel::kRecNewModel, "second_look.rec_new_model_t"},
   };
   return channels;
 }

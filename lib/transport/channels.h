@@ -34,6 +34,7 @@ inline constexpr const char* kRecFrame = "REC_FRAME";
 inline constexpr const char* kRecError = "REC_ERROR";
 inline constexpr const char* kRecStop = "REC_STOP";
 inline constexpr const char* kRecTask = "REC_TASK";
+inline constexpr const char* kRecNewModel = "REC_NEW_MODEL";
 }  // namespace channel
 
 /// No message of ours is longer [bytes]: longer ones are lost in a default socket buffer.

@@ -108,7 +108,8 @@ std::vector<fs::path> ModelFolders(const fs::path& folder) {
   }
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && fs::exists(entry.path() / kMetadata)) {
+    const bool unfinished = entry.path().filename().string().starts_with('.');
+    if (!unfinished && entry.is_directory() && fs::exists(entry.path() / kMetadata)) {
       folders.push_back(entry.path());
     }
   }
@@ -159,6 +160,12 @@ ObjectDatabase ObjectDatabase::Load(const fs::path& folder) {
     Throw<ConfigError>("{}: two objects are named '{}': remove one", folder.string(), *name);
   }
   return database;
+}
+
+void ObjectDatabase::Add(ObjectModel model) {
+  if (Find(model.name) != nullptr) Throw<InvalidArgument>("two objects are named '{}'", model.name);
+  models_.push_back(std::move(model));
+  SortByName(&models_);
 }
 
 const ObjectModel* ObjectDatabase::Find(const std::string& name) const {

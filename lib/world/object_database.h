@@ -17,7 +17,8 @@ struct ObjectModel {
   std::filesystem::path folder{};  ///< Where it was read from; empty: nowhere.
 };
 
-/// The sub-folders of `folder` that hold a model, by name.
+/// The sub-folders of `folder` that hold a model, by name; those that AddModel has not finished are
+/// not among them.
 /// @throws ConfigError when the folder is missing or holds none.
 std::vector<std::filesystem::path> ModelFolders(const std::filesystem::path& folder);
 
@@ -38,6 +39,9 @@ class ObjectDatabase {
 
   /// A database of `models`, as tests use it. @throws InvalidArgument for two of one name.
   explicit ObjectDatabase(std::vector<ObjectModel> models);
+
+  /// Adds one more. @throws InvalidArgument when there is one of its name.
+  void Add(ObjectModel model);
 
   const std::vector<ObjectModel>& models() const { return models_; }
 

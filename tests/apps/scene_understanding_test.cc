@@ -135,7 +135,8 @@ TEST(SceneUnderstanding, BelievesNoViewThatSeesThroughMostOfWhatStandsThere) {
   for (const double azimuth : {0.0, 80.0}) {
     ASSERT_EQ(understanding.Add(table.From(azimuth)), "");
   }
-  EXPECT_THAT(understanding.Add(cleared.From(150.0)), HasSubstr("it sees through verified objects"));
+  EXPECT_THAT(understanding.Add(cleared.From(150.0)),
+              HasSubstr("it sees through verified objects"));
   EXPECT_EQ(understanding.belief().views.size(), 2U);
   EXPECT_EQ(Verified(understanding, "tea_box").size(), 1U);
 }

@@ -19,6 +19,7 @@
 #include "apps/mission.h"
 #include "apps/mission_log.h"
 #include "apps/mission_message.h"
+#include "apps/model_watch.h"
 #include "apps/publisher.h"
 #include "lib/common/files.h"
 #include "lib/transport/channels.h"
@@ -189,6 +190,59 @@ TEST(Replay, GivesTheMissionTheTaskThatCameIn) {
   EXPECT_EQ(replay.status, 4) << replay.err;
   EXPECT_THAT(replay.out, HasSubstr("the same decisions as in the recording"));
   EXPECT_THAT(replay.out, HasSubstr("the budget of 0 looks is spent"));
+}
+
+/// Records a mission in whose second step the block that it sees is added to its database.
+void RecordWithANewModel(const testing::SmallWorld& world, const std::string& file) {
+  MissionLog log(file, 1000.0);
+  const RunConfig config = LoadRunConfig(world.config(), {});
+  auto database = world::ObjectDatabase::Load(config.models);
+  ModelWatch watch(config.models, database);
+  ReadyRobot ready = MakeRobot(config.robot, config.seed);
+  log.Begin(config, database, false, &ready);
+  Publisher publisher({&log});
+  Mission mission(
+      config.mission, config.task, database, ready.calibration, config.seed, [] { return false; },
+      &publisher, &ready.robot);
+  const auto start = DescribeStart(config, database, ready.robot.clock->Now());
+  publisher.Mission(start);
+  EXPECT_EQ(mission.Step(), Progress::kMore);
+  world::AddModel(world / "mesh" / "mesh.obj", geometry::LengthUnit::kMetre, "block",
+                  world.models());
+  Progress progress = Progress::kMore;
+  while (progress == Progress::kMore) {
+    for (const world::ObjectModel& model : watch.Take()) {
+      mission.Learn(model);
+      log.NewModel(model);
+      database.Add(model);
+    }
+    progress = mission.Step();
+  }
+  EXPECT_EQ(progress, Progress::kSettled);
+  publisher.Mission(DescribeEnd(start, mission.record(), progress, ready.robot.clock->Now()));
+  ASSERT_EQ(mission.belief().objects.size(), 1U);
+  EXPECT_EQ(mission.belief().objects[0].state, world::ObjectState::kVerified)
+      << mission.belief().objects[0].reason;
+}
+
+TEST(Replay, GivesTheMissionTheModelThatWasAddedMeanwhile) {
+  const testing::SmallWorld world;
+  const std::string file = (world / "mission.log").string();
+  geometry::SaveObj(geometry::MakeBox({0.3, 0.05, 0.05}, {0.1, 0.8, 0.1}), world / "rod");
+  world::AddModel(world / "rod" / "mesh.obj", geometry::LengthUnit::kMetre, "rod", world.models());
+  world::RemoveModel("block", world.models());
+  RecordWithANewModel(world, file);
+
+  const ProgramResult replay = RunProgram({"replay", "--log", file});
+  EXPECT_EQ(replay.status, 0) << replay.err;
+  EXPECT_THAT(replay.out, HasSubstr("the same decisions as in the recording"));
+  EXPECT_THAT(replay.err, Not(HasSubstr("warning")));
+
+  world::RemoveModel("block", world.models());
+  const ProgramResult without = RunProgram({"replay", "--log", file});
+  EXPECT_EQ(without.status, 5) << without.err;
+  EXPECT_THAT(without.err,
+              HasSubstr("model 'block' of the recorded mission is no longer in the database"));
 }
 
 TEST(Replay, OfAMissionWhoseCameraFailedFailsAlike) {

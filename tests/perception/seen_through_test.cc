@@ -31,5 +31,18 @@ TEST(ComparePoints, TellsWhatIsThereFromWhatIsSeenThrough) {
   EXPECT_EQ(all.see_through, 3);
 }
 
+TEST(ComparePoints, DoesNotSeeThroughAWireThatItMissesByAFewMillimetres) {
+  const geometry::CameraModel camera{640, 480, 577.0, 577.0, 319.5, 239.5};
+  cv::Mat depth(480, 640, CV_32F, cv::Scalar(1.2));
+  depth.colRange(320, 322) = 1.0F;  // an upright wire of 3 mm
+  std::vector<Vector3d> points_W;
+  for (int i = 0; i < 10; ++i) points_W.emplace_back(0.006, 0.01 * i, 1.0);  // 6 mm beside it
+  const SurfaceAgreement near = ComparePoints(points_W, Pose::Identity(), depth, camera);
+  EXPECT_EQ(near.matching, 10);
+  EXPECT_EQ(near.see_through, 0);
+  for (Vector3d& p : points_W) p.x() = 0.02;
+  EXPECT_EQ(ComparePoints(points_W, Pose::Identity(), depth, camera).see_through, 10);
+}
+
 }  // namespace
 }  // namespace secondlook::perception

@@ -57,6 +57,22 @@ TEST_F(ObjectDatabaseFolder, GivesBackWhatWasAddedInTheOrderOfNames) {
   EXPECT_EQ(database.Find("sphere"), nullptr);
 }
 
+TEST_F(ObjectDatabaseFolder, IsNotReadWhereAModelIsHalfWritten) {
+  Add("pyramid");
+  fs::copy(models_ / "pyramid", models_ / ".cone.unfinished", fs::copy_options::recursive);
+  EXPECT_EQ(ModelFolders(models_), std::vector<fs::path>{models_ / "pyramid"});
+}
+
+TEST_F(ObjectDatabaseFolder, GrowsInTheOrderOfNamesAndByNewNamesAlone) {
+  Add("pyramid");
+  Add("cone");
+  ObjectDatabase database({ReadModel(models_ / "pyramid")});
+  database.Add(ReadModel(models_ / "cone"));
+  EXPECT_EQ(database.models()[0].name, "cone");
+  EXPECT_THROWS(database.Add(ReadModel(models_ / "cone")), InvalidArgument,
+                "two objects are named 'cone'");
+}
+
 TEST_F(ObjectDatabaseFolder, ScalesMillimetresToMetres) {
   WriteFile(mesh_,
             "v 0 0 0\nv 200 0 0\nv 0 200 0\nv 0 0 200\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");

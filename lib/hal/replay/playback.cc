@@ -243,4 +243,8 @@ int Playback::stop_signal() const {
 
 const std::vector<second_look::task_t>& Playback::tasks() const { return reel_->Current().tasks; }
 
+const std::vector<second_look::rec_model_t>& Playback::models() const {
+  return reel_->Current().models;
+}
+
 }  // namespace secondlook::hal

@@ -43,6 +43,8 @@ class Playback {
 
   /// The tasks that the recorded mission was set in this segment, before its next step.
   const std::vector<second_look::task_t>& tasks() const;
+  /// The models that the recorded mission got in this segment, before its next step.
+  const std::vector<second_look::rec_model_t>& models() const;
 
  private:
   std::unique_ptr<Reel> reel_;

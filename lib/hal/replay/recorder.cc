@@ -12,6 +12,7 @@
 #include "second_look/rec_frame_t.hpp"
 #include "second_look/rec_head_state_t.hpp"
 #include "second_look/rec_motion_t.hpp"
+#include "second_look/rec_new_model_t.hpp"
 #include "second_look/rec_stop_t.hpp"
 
 namespace secondlook::hal {
@@ -51,6 +52,12 @@ void Recorder::Begin(second_look::rec_mission_t mission) {
 }
 
 void Recorder::Task(second_look::task_t task) { Post(channel::kRecTask, std::move(task)); }
+
+void Recorder::NewModel(second_look::rec_model_t model) {
+  second_look::rec_new_model_t message{};
+  message.model = std::move(model);
+  Post(channel::kRecNewModel, std::move(message));
+}
 
 void Recorder::StopAsked(bool stop, int signal) {
   ++stop_questions_;

@@ -22,6 +22,8 @@ class Recorder : public RobotListener {
   void Begin(second_look::rec_mission_t mission);
   /// The mission has got this task.
   void Task(second_look::task_t task);
+  /// The mission has got this model.
+  void NewModel(second_look::rec_model_t model);
   /// The mission has asked whether to stop, and was answered `stop`; `signal` wanted it, or 0. The
   /// first time that it is to stop is recorded.
   void StopAsked(bool stop, int signal);

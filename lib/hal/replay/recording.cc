@@ -14,6 +14,7 @@
 #include "second_look/rec_frame_t.hpp"
 #include "second_look/rec_head_state_t.hpp"
 #include "second_look/rec_motion_t.hpp"
+#include "second_look/rec_new_model_t.hpp"
 
 namespace secondlook::hal {
 namespace {
@@ -130,6 +131,8 @@ class Loader {
       segment->stop = Decode<second_look::rec_stop_t>(event);
     } else if (name == channel::kRecTask) {
       segment->tasks.push_back(Decode<second_look::task_t>(event));
+    } else if (name == channel::kRecNewModel) {
+      segment->models.push_back(Decode<second_look::rec_new_model_t>(event).model);
     }
   }
 

@@ -46,8 +46,9 @@ struct Segment {
   std::vector<Answer<Started>> head_starts;
   std::vector<Answer<MotionStatus>> head_statuses;
   std::vector<Answer<Grabbed>> frames;
-  std::vector<second_look::task_t> tasks;       ///< That were set, all at once.
-  std::optional<second_look::rec_stop_t> stop;  ///< The mission was to stop.
+  std::vector<second_look::task_t> tasks;        ///< That were set, all at once.
+  std::vector<second_look::rec_model_t> models;  ///< That were added to the database.
+  std::optional<second_look::rec_stop_t> stop;   ///< The mission was to stop.
 };
 
 /// What Recorder has written, read back.
