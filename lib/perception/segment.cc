@@ -28,7 +28,8 @@ constexpr int kRansacRounds = 400;
 constexpr int kRansacPoints = 6000;
 constexpr int kMaxPlanes = 5;
 constexpr double kThinning = 0.02;               // [m]
-constexpr double kMaxTiltBetweenPlanes = 0.035;  // [rad]
+constexpr double kMaxTiltBetweenPlanes = 0.175;  // [rad]
+constexpr double kMaxTiltOfThings = 0.035;       // [rad]
 
 struct Plane {
   Vector3d normal;
@@ -223,6 +224,7 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     sample.push_back(cloud.points_C[candidates[i]]);
   }
   std::vector<int> left = candidates;
+  std::optional<Plane> ground;  // the first: it has the most points
   Vector3d level = up;
   double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
   PlaneSearch best;
@@ -259,11 +261,17 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     const double width =
         std::min((corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm());
     if (area < config.min_plane_area_m2 || width < config.min_plane_width_m) continue;
-    // Whatever else is level is parallel to the first, which has the most points.
-    level = plane->normal;
-    max_tilt = kMaxTiltBetweenPlanes;
+    if (!ground) {
+      ground = plane;
+      level = plane->normal;
+      max_tilt = std::min(max_tilt, kMaxTiltBetweenPlanes);
+    }
     double height = 0.0;
     for (const Vector3d& p : patch) height += level.dot(p) / static_cast<double>(patch.size());
+    // As low over the ground as a thing is high, what leans is the top of a thing.
+    const bool over_things = height - ground->offset > config.max_height_m;
+    const double tilt = std::acos(std::min(1.0, plane->normal.dot(level)));
+    if (!over_things && tilt > kMaxTiltOfThings) continue;
     // The extent, not what was seen of it: what is far is seen in fewer points.
     const double extent = cv::contourArea(ConvexExtent(patch, PlaneAxes(plane->normal)));
     const double rank = floor_is_out ? extent : height;

@@ -117,6 +117,18 @@ TEST(Contract, RecogniseWritesOneJsonObjectAndNothingElseToStandardOutput) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(block["X_CM"][i][3], p_CM[i], 0.005);
 }
 
+TEST(Contract, RecogniseSaysInItsResultWhyThereIsNoPlane) {
+  const testing::SmallWorld world;
+  WriteDepth(cv::Mat(480, 640, CV_32FC1, cv::Scalar(1.0)), world / "wall.png");
+  const ProgramResult wall = RunProgram(
+      {"recognise", "--models", world.models().string(), "--depth", (world / "wall.png").string(),
+       "--depth-unit", "0.0001", "--camera", "577,577,319.5,239.5", "--json", "-"});
+  ASSERT_EQ(wall.status, 0) << wall.err;
+  const json result = json::parse(wall.out);
+  EXPECT_TRUE(result["objects"].empty());
+  EXPECT_THAT(result["reason"], HasSubstr("no support plane"));
+}
+
 TEST(Contract, RecogniseRefusesInputThatCannotBeRight) {
   const testing::SmallWorld world;
   WriteDepth(DepthOfABlock(), world / "depth.png");

@@ -71,6 +71,32 @@ TEST_F(ReadPcdTest, UnpacksCompressedColumns) {
   }
 }
 
+TEST_F(ReadPcdTest, TakesTheOriginForNone) {
+  const PointImage image =
+      Read(Header("x y z", "4 4 4", "F F F", 2, 1, "binary") + Bytes({0, 0, 0, 0, 0, 1}));
+  EXPECT_FALSE(IsMeasured(image.points_C[0]));
+  EXPECT_TRUE(IsMeasured(image.points_C[1]));
+}
+
+TEST_F(ReadPcdTest, ReadsLabelsAndSaysWhyItCannot) {
+  const auto read = [&](const std::string& content) {
+    WriteFile(folder_ / "cloud.pcd", content);
+    return ReadLabelledPcd(folder_ / "cloud.pcd");
+  };
+  const std::string points = Bytes({1, 2, 3}) + std::string("\x15\0\0\0", 4) + Bytes({4, 5, 6}) +
+                             std::string("\0\1\0\0", 4);
+  const LabelledCloud result =
+      read(Header("x y z label", "4 4 4 4", "F F F U", 2, 1, "binary") + points);
+  EXPECT_EQ(result.cloud.points_C[1], Eigen::Vector3f(4, 5, 6));
+  EXPECT_EQ(result.labels, (std::vector<std::uint32_t>{21, 256}));
+  EXPECT_THROWS(read(Header("x y z i", "4 4 4 4", "F F F U", 2, 1, "binary") + points), ConfigError,
+                "it has no field 'label'");
+  EXPECT_THROWS(read(Header("x y z label", "4 4 4 4", "F F F F", 2, 1, "binary") + points),
+                ConfigError, "not one unsigned integer of 4 bytes");
+  EXPECT_THROWS(read(Header("label x y z", "4 4 4 4", "U F F F", 1, 1, "ascii") + "7 1 2 3\n"),
+                ConfigError, "labels are read from DATA binary");
+}
+
 TEST_F(ReadPcdTest, SaysWhatIsWrongWithTheFile) {
   EXPECT_THROWS(ReadPcd(folder_ / "none.pcd"), ConfigError, "none.pcd: cannot be read");
   EXPECT_THROWS(Read("ply\n"), ConfigError, "it has no PCD header");

@@ -1,5 +1,7 @@
 #include "lib/perception/segment.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,10 +26,7 @@ class SceneCloud {
     const int columns = static_cast<int>(b.norm() / 0.004);
     for (int i = 0; i <= rows; ++i) {
       for (int j = 0; j <= columns; ++j) {
-        Vector3d p = corner + a * i / rows + b * j / columns;
-        p += Vector3d(rng_.Gaussian(0.001), rng_.Gaussian(0.001), rng_.Gaussian(0.001));
-        cloud_.points_C.push_back(Rotated(p).cast<float>());
-        ++cloud_.width;
+        Add(corner + a * i / rows + b * j / columns);
       }
     }
     return *this;
@@ -40,12 +39,36 @@ class SceneCloud {
     return Rectangle(low, {0, size.y(), 0}, {0, 0, size.z()});
   }
 
+  /// Adds what the camera sees of a bowl open upwards, half a ball, but for what it sees askance.
+  SceneCloud& Bowl(const Vector3d& center, double radius) {
+    for (double tilt = 0.05; tilt < 1.57; tilt += 0.02) {
+      for (double turn = 0.0; turn < 6.28; turn += 0.02) {
+        const Vector3d n(std::cos(tilt) * std::cos(turn), std::cos(tilt) * std::sin(turn),
+                         -std::sin(tilt));
+        const Vector3d p = center + radius * n;
+        const Vector3d to_camera = -p.normalized();
+        const double cosine = n.dot(to_camera);
+        if (std::abs(cosine) < 0.12) continue;
+        // From the inside, the ray to the camera leaves the ball through its open half.
+        const Vector3d exit = p - 2.0 * radius * cosine * to_camera;
+        if (cosine > 0.0 || exit.z() > center.z()) Add(p);
+      }
+    }
+    return *this;
+  }
+
   /// x forward, z up to the camera frame (z forward, y down).
   static Vector3d Rotated(const Vector3d& p) { return {-p.y(), -p.z(), p.x()}; }
 
   const geometry::PointImage& cloud() const { return cloud_; }
 
  private:
+  void Add(Vector3d p) {
+    p += Vector3d(rng_.Gaussian(0.001), rng_.Gaussian(0.001), rng_.Gaussian(0.001));
+    cloud_.points_C.push_back(Rotated(p).cast<float>());
+    ++cloud_.width;
+  }
+
   Rng rng_{3};
   geometry::PointImage cloud_;
 };
@@ -85,13 +108,61 @@ TEST(Segment, FindsEachThingThatStandsOnTheTable) {
   EXPECT_EQ(result.clusters[0].pixels.size(), result.clusters[0].points_C.size());
 }
 
-TEST(Segment, SeparatesThingsTwoCentimetresApartAndJoinsThoseThatTouch) {
+TEST(Segment, SeparatesThingsTwoCentimetresApartAndJoinsThoseThatStandFlush) {
   SceneCloud apart = TableWithFloorAndWall();
   apart.Box({1.0, 0.0, -0.5}, {0.1, 0.1, 0.1}).Box({1.0, 0.12, -0.5}, {0.1, 0.1, 0.1});
   EXPECT_EQ(Segment(apart.cloud(), kUp, {}).clusters.size(), 2U);
   SceneCloud touching = TableWithFloorAndWall();
   touching.Box({1.0, 0.0, -0.5}, {0.1, 0.1, 0.1}).Box({1.0, 0.1, -0.5}, {0.1, 0.1, 0.1});
   EXPECT_EQ(Segment(touching.cloud(), kUp, {}).clusters.size(), 1U);
+}
+
+SegmentConfig WithoutSplitting() {
+  SegmentConfig config;
+  config.split_touching = false;
+  return config;
+}
+
+TEST(Segment, TellsAThingFromTheOneItStandsOn) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Rectangle({0.875, -0.125, -0.5}, {0, 0.25, 0}, {0, 0, 0.08});    // a flat box, its front,
+  scene.Rectangle({0.875, -0.125, -0.42}, {0.125, 0, 0}, {0, 0.25, 0});  // what is seen of its top,
+  scene.Box({1.05, 0.0, -0.42}, {0.1, 0.1, 0.12});                       // and a box on it
+  EXPECT_EQ(Segment(scene.cloud(), kUp, WithoutSplitting()).clusters.size(), 1U);
+  const Segmentation result = Segment(scene.cloud(), kUp, {});
+  ASSERT_EQ(result.clusters.size(), 2U);
+  // Fronts and tops of 25 x 8 + 25 x 12.5 and of 10 x 12 + 10 x 10 cm.
+  const double lower = static_cast<double>(result.clusters[0].pixels.size());
+  EXPECT_NEAR(lower / static_cast<double>(result.clusters[1].pixels.size()), 512.5 / 220.0, 0.3);
+}
+
+TEST(Segment, KeepsAHandleWithItsThing) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Box({1.0, 0.0, -0.5}, {0.1, 0.1, 0.12});
+  scene.Rectangle({0.9, -0.01, -0.43}, {0.05, 0, 0}, {0, 0.02, 0});  // a bar that sticks out
+  EXPECT_EQ(Segment(scene.cloud(), kUp, {}).clusters.size(), 1U);
+}
+
+TEST(Segment, JoinsTheInsideOfABowlToItsOutside) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Bowl({1.0, 0.0, -0.42}, 0.08);
+  EXPECT_EQ(Segment(scene.cloud(), kUp, WithoutSplitting()).clusters.size(), 2U);
+  EXPECT_EQ(Segment(scene.cloud(), kUp, {}).clusters.size(), 1U);
+}
+
+TEST(Segment, LeavesApartABoxOfEqualHeightBehindABowl) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Bowl({1.0, 0.0, -0.42}, 0.08).Box({1.15, 0.0, -0.5}, {0.1, 0.1, 0.08});
+  EXPECT_EQ(Segment(scene.cloud(), kUp, {}).clusters.size(), 2U);
+}
+
+TEST(Segment, TakesATableThatLeansALittleAgainstTheFloor) {
+  SceneCloud scene;
+  scene.Rectangle({0.3, -1.0, -1.2}, {2.0, 0, 0}, {0, 2.0, 0});
+  scene.Rectangle({0.8, -0.2, -0.5}, {0.4, 0, 0.04}, {0, 0.4, 0});  // 5.7 deg
+  const Segmentation result = Segment(scene.cloud(), kUp, {});
+  ASSERT_TRUE(result.plane_C) << result.reason;
+  EXPECT_NEAR(result.plane_C->normal_A.dot(kUp), std::cos(std::atan(0.1)), 1e-3);
 }
 
 TEST(Segment, LeavesOutWhatStandsBesideTheTable) {
@@ -149,7 +220,8 @@ TEST(Segment, SaysWhyThereIsNoPlaneWhereThereIsOnlyAWall) {
 TEST(Segment, SurvivesAnEmptyCloudOnePointAndNothingButNaN) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const auto& points : {std::vector<Vector3f>{}, std::vector<Vector3f>{{0, 0, 1}},
-                             std::vector<Vector3f>(1000, Vector3f::Constant(nan))}) {
+                             std::vector<Vector3f>(1000, Vector3f::Constant(nan)),
+                             std::vector<Vector3f>(1000, Vector3f::Zero())}) {
     const geometry::PointImage cloud{static_cast<int>(points.size()), 1, points};
     const Segmentation result = Segment(cloud, kUp, {});
     EXPECT_FALSE(result.plane_C);
@@ -160,6 +232,29 @@ TEST(Segment, SurvivesAnEmptyCloudOnePointAndNothingButNaN) {
 TEST(Segment, RefusesMillimetresTakenForMetres) {
   geometry::PointImage cloud{100, 1, std::vector<Vector3f>(100, Vector3f(10, 20, 900))};
   EXPECT_THROWS(Segment(cloud, kUp, {}), InvalidArgument, "median distance is 900.3 m");
+  cloud.points_C.assign(100, Vector3f(0.0F, 0.0F, 0.001F));
+  EXPECT_THROWS(Segment(cloud, kUp, {}), InvalidArgument, "nearer than any depth camera sees");
+}
+
+TEST(SegmentConfig, SaysWhichValueIsOutOfRange) {
+  EXPECT_NO_THROW(SegmentConfig{}.Validate());
+  const auto with = [](auto set) {
+    SegmentConfig config;
+    set(&config);
+    return config;
+  };
+  EXPECT_THROWS(with([](auto* c) { c->max_tilt_deg = 0.0; }).Validate(), ConfigError,
+                "max_tilt_deg = 0 must lie in 0 to 90");
+  EXPECT_THROWS(with([](auto* c) { c->cluster_gap_m = -0.01; }).Validate(), ConfigError,
+                "cluster_gap_m = -0.01 must be greater than 0");
+  EXPECT_THROWS(with([](auto* c) { c->min_height_m = 0.7; }).Validate(), ConfigError,
+                "max_height_m = 0.6 above it");
+  EXPECT_THROWS(with([](auto* c) { c->edge_clearance_m = -1.0; }).Validate(), ConfigError,
+                "must not be negative");
+  EXPECT_THROWS(with([](auto* c) { c->split.crease_deg = 200.0; }).split.Validate(), ConfigError,
+                "crease_deg = 200 must lie between 0 and 180");
+  EXPECT_THROWS(with([](auto* c) { c->split.window_m = 1.0; }).split.Validate(), ConfigError,
+                "window_m = 1 must lie in 0.004 to 0.1");
 }
 
 TEST(Segment, RefusesAnUpThatIsNoDirection) {
