@@ -111,7 +111,7 @@ Json RunTrial(const sim::Scene& scene, const world::ObjectDatabase& database, in
     std::vector<char> found(things.size(), 0);
     std::vector<char> found_by_quality(things.size(), 0);
     Json entry;
-    entry["detections"] = judge.Judge(Chosen(detections), &found);
+    entry["detections"] = judge.Judge(Chosen(detections, models), &found);
     entry["baseline_detections"] = judge.Judge(ChosenByQuality(detections), &found_by_quality);
     entry["objects"] = Json::array();
     const std::vector<double> visible = camera.VisibleShares(photo);

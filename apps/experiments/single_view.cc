@@ -4,6 +4,7 @@
 
 #include "apps/mission_config.h"
 #include "lib/common/error.h"
+#include "lib/perception/choose_together.h"
 #include "lib/perception/recognise.h"
 #include "lib/perception/segment.h"
 
@@ -22,8 +23,10 @@ std::vector<world::Detection> Detect(const Photo& photo, const geometry::CameraM
   return perception::Recognise(view, cut.clusters, models, config.recognise);
 }
 
-std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detections) {
-  const auto choices = perception::ChooseHypotheses(detections, UnderstandingConfig().recognise);
+std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detections,
+                                      const std::vector<perception::RecognitionModel>& models) {
+  const auto choices =
+      perception::ChooseTogether(detections, models, UnderstandingConfig().recognise);
   std::vector<world::Hypothesis> chosen;
   for (std::size_t i = 0; i < detections.size(); ++i) {
     if (choices[i].hypothesis < 0) continue;

@@ -14,8 +14,9 @@ namespace secondlook::apps {
 std::vector<world::Detection> Detect(const Photo& photo, const geometry::CameraModel& camera,
                                      const std::vector<perception::RecognitionModel>& models);
 
-/// The hypotheses that are beyond doubt (perception::ChooseHypotheses).
-std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detections);
+/// The hypotheses that are beyond doubt in the view as a whole (perception::ChooseTogether).
+std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detections,
+                                      const std::vector<perception::RecognitionModel>& models);
 
 /// The models of the objects in `scene`, ready for recognition.
 /// @throws ConfigError for an object that `database` does not hold.

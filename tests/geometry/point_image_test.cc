@@ -27,7 +27,9 @@ cv::Mat ReadPclzf(const std::filesystem::path& file) {
   };
   std::string out;
   for (std::size_t i = 37; i < content.size();) {
-    const auto next = [&] { return static_cast<std::size_t>(static_cast<std::uint8_t>(content.at(i++))); };
+    const auto next = [&] {
+      return static_cast<std::size_t>(static_cast<std::uint8_t>(content.at(i++)));
+    };
     const std::size_t control = next();
     if (control < 32) {
       out += content.substr(i, control + 1);
@@ -49,7 +51,8 @@ TEST(Deproject, ReproducesTheCloudsOfARecordedCameraWithinAMillimetre) {
   if (data == nullptr) GTEST_SKIP() << "SECONDLOOK_DATA is not set";
   const CameraModel camera{640, 480, 525.0, 525.0, 320.0, 240.0};
   int frames = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(data) / "xtion")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(data) / "xtion")) {
     if (entry.path().extension() != ".pcd") continue;
     std::filesystem::path raw = entry.path();
     raw.replace_extension();
