@@ -206,12 +206,11 @@ std::vector<int> SceneUnderstanding::Gone(const Capture& capture, const Pose& X_
 /// is another object.
 void SceneUnderstanding::Unlearn(int view, ObjectBelief* object) {
   Eigen::AlignedBox3d box_W = object->extent_W;
-  if (object->state == ObjectState::kVerified) {
-    const PoseHypothesis& best = *object->Best();
-    box_W.extend(BoxOf(ModelOf(best.model), best.X_WM));
-  }
+  const auto modelled = modelled_W_.find(object->id);
+  if (modelled != modelled_W_.end()) box_W.extend(modelled->second);
   box_W =
       Eigen::AlignedBox3d(box_W.min().array() - kModelSigma_m, box_W.max().array() + kModelSigma_m);
+  TakeOutOfReference(object->id);
   reference_.Remove(box_W);
   space_.TakeAway(object->id);
   space_.RemoveRegion(box_W);
@@ -332,6 +331,9 @@ int SceneUnderstanding::MergedObject(const std::vector<int>& ids) {
     return belief_.objects.back().id;
   }
   ObjectBelief& whole = belief_.objects[ids.front()];
+  for (const int id : ids) {
+    if (ids.size() > 1) TakeOutOfReference(id);  // which of them is right is concluded anew
+  }
   for (std::size_t i = 1; i < ids.size(); ++i) {
     ObjectBelief& part = belief_.objects[ids[i]];
     for (const world::Sighting& sighting : part.sightings) {
@@ -644,16 +646,23 @@ int SceneUnderstanding::ClearViews(const ObjectBelief& object) const {
 }
 
 void SceneUnderstanding::Conclude(ObjectBelief* object) {
-  const bool was_verified = object->state == ObjectState::kVerified;
-  Eigen::AlignedBox3d stood_W;
-  if (was_verified) stood_W = BoxOf(ModelOf(object->Best()->model), object->Best()->X_WM);
   fusion::Conclude(task_, config_.conclude, ClearViews(*object), object);
-  if (was_verified && object->state != ObjectState::kVerified) reference_.Remove(stood_W);
-  if (object->state != ObjectState::kVerified || was_verified) return;
-  ExamineTurns(object);
+  if (object->state == ObjectState::kVerified && modelled_W_.contains(object->id)) return;
+  if (object->state == ObjectState::kVerified) ExamineTurns(object);
+  TakeOutOfReference(object->id);
   if (object->state != ObjectState::kVerified) return;
   const PoseHypothesis& best = *object->Best();
-  reference_.AddModel(ModelOf(best.model).mesh, best.X_WM, kModelSigma_m);
+  const perception::RecognitionModel& model = ModelOf(best.model);
+  reference_.AddModel(model.mesh, best.X_WM, kModelSigma_m);
+  modelled_W_[object->id] = BoxOf(model, best.X_WM);
+}
+
+/// Views are no longer registered to the whole model of an object, if they were.
+void SceneUnderstanding::TakeOutOfReference(int id) {
+  const auto modelled = modelled_W_.find(id);
+  if (modelled == modelled_W_.end()) return;
+  reference_.Remove(modelled->second);
+  modelled_W_.erase(modelled);
 }
 
 /// Enters the newest view into the map.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -96,6 +97,7 @@ class SceneUnderstanding {
   double LikelyFreeShare(const world::PoseHypothesis& hypothesis) const;
   int ClearViews(const world::ObjectBelief& object) const;
   void Conclude(world::ObjectBelief* object);
+  void TakeOutOfReference(int id);
   void EnterNewestView();
   void PlaceVerified();
   const perception::RecognitionModel& ModelOf(const std::string& name) const;
@@ -105,7 +107,8 @@ class SceneUnderstanding {
   std::vector<perception::RecognitionModel> models_;
   world::VoxelSpace space_;
   perception::ReferenceCloud reference_;
-  std::vector<Unlearned> unlearned_;  // in the order of the views
+  std::map<int, Eigen::AlignedBox3d> modelled_W_;  // what stands in it as whole models, by object
+  std::vector<Unlearned> unlearned_;               // in the order of the views
   std::vector<Eigen::Vector3d> plane_points_W_;
   std::vector<perception::View> views_;  // as recognition looks at belief_.views
   world::SceneBelief belief_;
