@@ -18,10 +18,10 @@ namespace {
 using geometry::DepthRasteriser;
 using geometry::PixelRect;
 
-/// The error of pose and model [m], and that share of the diameter where it is more: a specimen
-/// differs from its scan, and a turn moves what is far from the centre, by its size.
+/// The error of pose and model [m], and that share of the model's width where it is more: a
+/// specimen differs from its scan by its bulk. A thin thing is no less exact for being long.
 constexpr double kModelError = 0.004;
-constexpr double kSizeError = 0.025;
+constexpr double kWidthError = 0.03;
 
 /// Of a pixel of the window.
 enum class Seen : std::uint8_t {
@@ -201,6 +201,15 @@ std::string ReasonAgainst(const world::Verification& v, double inner, double exp
   return {};
 }
 
+/// The middle one of the three sides of the model's box in M [m].
+double Width(const RecognitionModel& model) {
+  Eigen::AlignedBox3f box_M;
+  for (const Eigen::Vector3f& p_M : model.hull) box_M.extend(p_M);
+  Eigen::Vector3f sides = box_M.sizes();
+  std::sort(sides.begin(), sides.end());
+  return sides[1];
+}
+
 }  // namespace
 
 void VerifyConfig::Validate() const {
@@ -232,9 +241,9 @@ world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, cons
                      geometry::ImageBounds(model.mesh, X_CM, view.camera, 2));
   const PixelRect& window = rasteriser->window();
   const double z = std::max(0.1, (X_CM * model.center_M).z());
-  const double of_size = std::max(0.0, kSizeError * model.diameter - kModelError);
-  const double tolerance = DepthTolerance(z) + of_size;
-  const double mean_tolerance = kModelError + geometry::DepthSigma(z) + of_size;
+  const double model_error = std::max(kModelError, kWidthError * Width(model));
+  const double tolerance = DepthTolerance(z) + model_error - kModelError;
+  const double mean_tolerance = model_error + geometry::DepthSigma(z);
   const std::vector<char> inner = WithoutRim(*rasteriser, 2.0 * tolerance);
   std::vector<float> difference = Differences(*rasteriser, view);
   TakeOutBend(inner, window, z / view.camera.fx, 2.0 * tolerance, &difference);

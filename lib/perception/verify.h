@@ -50,7 +50,7 @@ struct VerifyConfig {
 /// matches agrees with the measurement within DepthTolerance() and, averaged over 5 x 5 pixels,
 /// within a tighter one, which tells nearly equal shapes apart where single pixels are noise; from
 /// both, what bends smoothly over the object is taken out first (DepthBias). For large models both
-/// tolerances grow with the diameter.
+/// tolerances grow with the width.
 /// `*score` becomes ScoreOf() the result. @pre model is not empty.
 world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, const View& view,
                            int label, int cluster_pixels, const VerifyConfig& config,
