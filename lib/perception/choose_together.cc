@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -77,13 +79,26 @@ class Choosing {
         for (std::size_t h = 0; h < open_[d].hypotheses.size(); ++h) {
           const Hypothesis& loser = open_[d].hypotheses[h];
           if (&loser == other && !Better(*chosen, loser)) continue;
-          if (!Collide(models_, *chosen, loser)) continue;
+          if (!Collides(winner, choices_[winner].hypothesis, d, static_cast<int>(h))) continue;
           Strike(d, h, *chosen);
           return true;
         }
       }
     }
     return false;
+  }
+
+  /// Whether two hypotheses would stand in one another. Each pair is worked out once.
+  bool Collides(std::size_t winner, int chosen, std::size_t d, int loser) {
+    const auto name = [&](std::size_t detection, int h) {
+      return std::pair(detection, original_[detection][static_cast<std::size_t>(h)]);
+    };
+    const auto [pair, added] = collides_.try_emplace({name(winner, chosen), name(d, loser)});
+    if (added) {
+      pair->second = Collide(models_, open_[winner].hypotheses[static_cast<std::size_t>(chosen)],
+                             open_[d].hypotheses[static_cast<std::size_t>(loser)]);
+    }
+    return pair->second;
   }
 
   static bool Better(const Hypothesis& a, const Hypothesis& b) {
@@ -105,8 +120,10 @@ class Choosing {
   }
 
   std::vector<world::Detection> open_;
-  std::vector<std::vector<int>> original_;  // index of each open hypothesis in its detection
-  std::vector<std::string> struck_;         // by detection: what gave way first, and to what
+  std::vector<std::vector<int>> original_;   // index of each open hypothesis in its detection
+  using Name = std::pair<std::size_t, int>;  // detection, hypothesis in the original
+  std::map<std::pair<Name, Name>, bool> collides_;
+  std::vector<std::string> struck_;  // by detection: what gave way first, and to what
   const std::vector<RecognitionModel>& models_;
   const RecogniseConfig& config_;
   std::vector<Choice> choices_;
@@ -117,12 +134,15 @@ class Choosing {
 double ShareInside(const RecognitionModel& model, const Pose& X_CM, const RecognitionModel& other,
                    const Pose& X_CO) {
   const Pose X_OM = X_CO.inverse() * X_CM;
+  Eigen::AlignedBox3f box_O;
+  for (const Eigen::Vector3f& p_O : other.hull) box_O.extend(p_O);
   const auto count = std::min<std::size_t>(kProbes, model.points.size());
   int inside = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const ModelPoint& point = model.points[i];
     const Eigen::Vector3d p_MP = (point.point - kSkin * point.normal).cast<double>();
     const Eigen::Vector3f p = (X_OM * p_MP).cast<float>();
+    if (!box_O.contains(p)) continue;
     const auto nearest =
         std::min_element(other.points.begin(), other.points.end(),
                          [&](const ModelPoint& one, const ModelPoint& two) {
