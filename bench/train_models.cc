@@ -76,8 +76,9 @@ class PlainTable {
       return std::clamp(static_cast<int>(angle * kAngleBins / std::numbers::pi), 0, kAngleBins - 1);
     };
     const int distance = std::min(static_cast<int>(d.norm() / spacing), bins - 1);
-    const int cell = ((distance * kAngleBins + bin(first)) * kAngleBins + bin(second)) * kAngleBins +
-                     bin(between);
+    const int cell =
+        ((distance * kAngleBins + bin(first)) * kAngleBins + bin(second)) * kAngleBins +
+        bin(between);
     const Eigen::Vector3f p =
         Eigen::Quaternionf::FromTwoVectors(a.normal, Eigen::Vector3f::UnitX()) * d;
     cells_[cell].push_back({r, std::atan2(-p.z(), p.y())});

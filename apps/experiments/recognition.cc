@@ -97,6 +97,22 @@ class ViewJudge {
   Pose X_WC_;
 };
 
+/// Why each cluster that is not recognised is not, and what it is nearest to.
+Json Open(const std::vector<world::Detection>& detections,
+          const std::vector<perception::Choice>& choices) {
+  Json open = Json::array();
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    if (choices[i].hypothesis >= 0) continue;
+    Json entry{{"reason", choices[i].reason}};
+    if (!detections[i].hypotheses.empty()) {
+      entry["nearest"] = detections[i].hypotheses.front().model;
+      entry["score"] = detections[i].hypotheses.front().score;
+    }
+    open.push_back(std::move(entry));
+  }
+  return open;
+}
+
 Json RunTrial(const sim::Scene& scene, const world::ObjectDatabase& database, int views,
               std::uint64_t seed) {
   const std::vector<RecognitionModel> models = ModelsOf(scene, database);
@@ -107,11 +123,12 @@ Json RunTrial(const sim::Scene& scene, const world::ObjectDatabase& database, in
   for (int view = 0; view < views; ++view) {
     const Photo photo = camera.Take(DrawView(scene.table, &rng));
     const auto detections = Detect(photo, camera.info().model, models);
+    const auto choices = Choose(detections, models);
     const ViewJudge judge(things, models, photo.X_WC);
     std::vector<char> found(things.size(), 0);
     std::vector<char> found_by_quality(things.size(), 0);
     Json entry;
-    entry["detections"] = judge.Judge(Chosen(detections, models), &found);
+    entry["detections"] = judge.Judge(Chosen(detections, choices), &found);
     entry["baseline_detections"] = judge.Judge(ChosenByQuality(detections), &found_by_quality);
     entry["objects"] = Json::array();
     const std::vector<double> visible = camera.VisibleShares(photo);
@@ -121,6 +138,7 @@ Json RunTrial(const sim::Scene& scene, const world::ObjectDatabase& database, in
                                   {"found", found[i] != 0},
                                   {"baseline_found", found_by_quality[i] != 0}});
     }
+    entry["open"] = Open(detections, choices);
     trial["views"].push_back(std::move(entry));
   }
   return trial;

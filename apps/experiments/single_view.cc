@@ -23,10 +23,13 @@ std::vector<world::Detection> Detect(const Photo& photo, const geometry::CameraM
   return perception::Recognise(view, cut.clusters, models, config.recognise);
 }
 
+std::vector<perception::Choice> Choose(const std::vector<world::Detection>& detections,
+                                       const std::vector<perception::RecognitionModel>& models) {
+  return perception::ChooseTogether(detections, models, UnderstandingConfig().recognise);
+}
+
 std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detections,
-                                      const std::vector<perception::RecognitionModel>& models) {
-  const auto choices =
-      perception::ChooseTogether(detections, models, UnderstandingConfig().recognise);
+                                      const std::vector<perception::Choice>& choices) {
   std::vector<world::Hypothesis> chosen;
   for (std::size_t i = 0; i < detections.size(); ++i) {
     if (choices[i].hypothesis < 0) continue;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "apps/experiments/free_camera.h"
-#include "lib/perception/recognition_model.h"
+#include "lib/perception/recognise.h"
 #include "lib/world/hypothesis.h"
 #include "lib/world/object_database.h"
 #include "lib/world/observation.h"
@@ -14,9 +14,14 @@ namespace secondlook::apps {
 std::vector<world::Detection> Detect(const Photo& photo, const geometry::CameraModel& camera,
                                      const std::vector<perception::RecognitionModel>& models);
 
-/// The hypotheses that are beyond doubt in the view as a whole (perception::ChooseTogether).
+/// What is beyond doubt in the view as a whole (perception::ChooseTogether), by the configuration
+/// of a mission.
+std::vector<perception::Choice> Choose(const std::vector<world::Detection>& detections,
+                                       const std::vector<perception::RecognitionModel>& models);
+
+/// The hypotheses that are chosen, one for each detection that has one.
 std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detections,
-                                      const std::vector<perception::RecognitionModel>& models);
+                                      const std::vector<perception::Choice>& choices);
 
 /// The models of the objects in `scene`, ready for recognition.
 /// @throws ConfigError for an object that `database` does not hold.
