@@ -67,7 +67,7 @@ class Mission {
 
   // What was driven and how long it took, from the end's figures or what came last.
   costs() {
-    const looks = this.steps.filter(s => s.look && s.look.kind !== 'search').length;
+    const looks = this.steps.filter(s => s.look).length;
     if (this.ended) return {looks, metres: this.told.metres, seconds: this.told.total_seconds};
     const last = this.steps.flatMap(s => s.way).at(-1);
     return {looks, metres: last?.metres ?? 0, seconds: last ? this.seconds(last.utime) : 0};
