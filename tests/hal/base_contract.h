@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <thread>
 
@@ -28,6 +29,8 @@ struct BaseRig {
 struct BaseFactory {
   std::string name;  ///< Of the backend, in the names of the tests.
   std::function<BaseRig()> make;
+
+  friend void PrintTo(const BaseFactory& factory, std::ostream* out) { *out << factory.name; }
 };
 
 class BaseContract : public ::testing::TestWithParam<BaseFactory> {

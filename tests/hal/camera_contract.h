@@ -4,6 +4,7 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct CameraRig {
 struct CameraFactory {
   std::string name;  ///< Of the backend, in the names of the tests.
   std::function<CameraRig()> make;
+
+  friend void PrintTo(const CameraFactory& factory, std::ostream* out) { *out << factory.name; }
 };
 
 class CameraContract : public ::testing::TestWithParam<CameraFactory> {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <thread>
 
@@ -22,6 +23,8 @@ struct ClockRig {
 struct ClockFactory {
   std::string name;  ///< Of the backend, in the names of the tests.
   std::function<ClockRig()> make;
+
+  friend void PrintTo(const ClockFactory& factory, std::ostream* out) { *out << factory.name; }
 };
 
 class ClockContract : public ::testing::TestWithParam<ClockFactory> {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <thread>
 
@@ -27,6 +28,8 @@ struct PanTiltRig {
 struct PanTiltFactory {
   std::string name;  ///< Of the backend, in the names of the tests.
   std::function<PanTiltRig()> make;
+
+  friend void PrintTo(const PanTiltFactory& factory, std::ostream* out) { *out << factory.name; }
 };
 
 class PanTiltContract : public ::testing::TestWithParam<PanTiltFactory> {
