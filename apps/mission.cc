@@ -174,9 +174,8 @@ Mission::Question Mission::WhatIsOpen() const {
     Eigen::AlignedBox3d box_W = object.extent_W;
     if (object.state == ObjectState::kVerified) {
       const world::PoseHypothesis& best = *object.Best();
-      const auto& models = scene_.models();
-      const auto model = std::find_if(models.begin(), models.end(),
-                                      [&](const auto& m) { return m.name == best.model; });
+      const perception::RecognitionModel* model =
+          perception::FindModel(scene_.models(), best.model);
       ExtendByModel(model->mesh, best.X_WM, &box_W);
     }
     known_W.push_back(box_W);
@@ -314,9 +313,7 @@ planning::AspectTarget Mission::TargetFor(const ObjectBelief& object) const {
     if (best == nullptr || best->support < kMinSupport) break;
     if (h.struck || h.support < kMinSupportShare * best->support) continue;
     if (target.hypotheses.size() == kMaxHypotheses) break;
-    const auto& models = scene_.models();
-    const auto model = std::find_if(models.begin(), models.end(),
-                                    [&](const auto& m) { return m.name == h.model; });
+    const perception::RecognitionModel* model = perception::FindModel(scene_.models(), h.model);
     target.hypotheses.push_back({&model->mesh, &ray_casters_.at(h.model), h.X_WM, h.support});
     ExtendByModel(model->mesh, h.X_WM, &target.box_W);
   }

@@ -703,8 +703,7 @@ void SceneUnderstanding::PlaceVerified() {
 }
 
 const perception::RecognitionModel& SceneUnderstanding::ModelOf(const std::string& name) const {
-  return *std::find_if(models_.begin(), models_.end(),
-                       [&](const auto& model) { return model.name == name; });
+  return *perception::FindModel(models_, name);
 }
 
 }  // namespace secondlook::apps

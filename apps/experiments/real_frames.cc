@@ -100,9 +100,8 @@ class Judging {
     for (const auto& [name, object] : truth.at("objects").items()) {
       const Pose X_CM = ParsePose(object.at("X_CO"));
       Json verdict{{"verdict", "missed"}, {"truth", name}};
-      const auto model = std::find_if(models_.begin(), models_.end(),
-                                      [&](const RecognitionModel& m) { return m.name == name; });
-      verdict["known"] = model != models_.end();
+      const RecognitionModel* model = perception::FindModel(models_, name);
+      verdict["known"] = model != nullptr;
       std::optional<std::size_t> best;
       PoseError least{kMaxAdds, kMaxAdds};
       for (std::size_t i = 0; i < found.detections.size(); ++i) {

@@ -86,8 +86,7 @@ class ViewJudge {
  private:
   perception::PoseDistance ErrorOf(const world::Hypothesis& h,
                                    const sim::PlacedObject& thing) const {
-    const auto model = std::find_if(models_.begin(), models_.end(),
-                                    [&](const auto& m) { return m.name == h.model; });
+    const RecognitionModel* model = perception::FindModel(models_, h.model);
     return perception::DistanceUpToSymmetry(X_WC_.inverse() * thing.X_WM, h.X_CM, model->symmetry,
                                             model->center_M, true);
   }

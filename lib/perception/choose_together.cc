@@ -16,17 +16,10 @@ constexpr int kProbes = 200;
 constexpr float kSkin = 0.008F;      // what touches, as it was measured, stands in less [m]
 constexpr double kMostInside = 0.2;  // of the points of either
 
-const RecognitionModel& ModelOf(const std::vector<RecognitionModel>& models,
-                                const Hypothesis& hypothesis) {
-  return *std::find_if(models.begin(), models.end(), [&](const RecognitionModel& model) {
-    return model.name == hypothesis.model;
-  });
-}
-
 bool Collide(const std::vector<RecognitionModel>& models, const Hypothesis& a,
              const Hypothesis& b) {
-  const RecognitionModel& one = ModelOf(models, a);
-  const RecognitionModel& two = ModelOf(models, b);
+  const RecognitionModel& one = *FindModel(models, a.model);
+  const RecognitionModel& two = *FindModel(models, b.model);
   const double apart = (a.X_CM * one.center_M - b.X_CM * two.center_M).norm();
   if (apart > 0.5 * (one.diameter + two.diameter)) return false;
   return ShareInside(one, a.X_CM, two, b.X_CM) > kMostInside ||

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "lib/common/error.h"
+#include "lib/common/check_range.h"
 #include "lib/common/parallel.h"
 #include "lib/perception/hypothesise.h"
 #include "lib/perception/refine.h"
@@ -104,9 +104,8 @@ bool LooksAlike(const std::vector<RecognitionModel>& models, const Hypothesis& a
   constexpr std::size_t kPoints = 300;
   constexpr float kDistance = 0.003F;     // [m]
   constexpr float kColorDistance = 0.2F;  // of the largest difference of RGB in [0, 1]
-  const auto model = std::find_if(models.begin(), models.end(),
-                                  [&](const RecognitionModel& m) { return m.name == a.model; });
-  if (model == models.end()) return false;
+  const RecognitionModel* model = FindModel(models, a.model);
+  if (model == nullptr) return false;
   const Pose X_AB = a.X_CM.inverse() * b.X_CM;
   const Eigen::Matrix3f R = X_AB.linear().cast<float>();
   const Eigen::Vector3f t = X_AB.translation().cast<float>();
@@ -135,17 +134,12 @@ double LogOdds(double score) {
 }  // namespace
 
 void RecogniseConfig::Validate() const {
-  const auto check = [](double value, double low, double high, const char* name) {
-    if (!(value >= low && value <= high)) {
-      Throw<ConfigError>("{} = {} must lie in {}..{}", name, value, low, high);
-    }
-  };
   verify.Validate();
-  check(guesses_per_model, 1, 1000, "guesses_per_model");
-  check(hypotheses_per_model, 1, 1000, "hypotheses_per_model");
-  check(min_guess_share, 0.0, 1.0, "min_guess_share");
-  check(min_score, 0.0, 1.0, "min_score");
-  check(min_lead, 0.0, 100.0, "min_lead");
+  CheckRange(guesses_per_model, 1, 1000, "guesses_per_model");
+  CheckRange(hypotheses_per_model, 1, 1000, "hypotheses_per_model");
+  CheckRange(min_guess_share, 0.0, 1.0, "min_guess_share");
+  CheckRange(min_score, 0.0, 1.0, "min_score");
+  CheckRange(min_lead, 0.0, 100.0, "min_lead");
 }
 
 std::vector<world::Detection> Recognise(const View& view,

@@ -251,6 +251,14 @@ std::vector<RecognitionModel> TrainModels(const world::ObjectDatabase& database)
   return models;
 }
 
+const RecognitionModel* FindModel(const std::vector<RecognitionModel>& models,
+                                  const std::string& name) {
+  const auto found = std::find_if(models.begin(), models.end(), [&](const RecognitionModel& model) {
+    return model.name == name;
+  });
+  return found == models.end() ? nullptr : &*found;
+}
+
 double LowestHeight(const RecognitionModel& model, const Pose& X_CM,
                     const world::SupportPlane& plane_C) {
   const Eigen::Vector3f up_M = (X_CM.linear().transpose() * plane_C.normal_A).cast<float>();

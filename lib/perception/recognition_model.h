@@ -52,6 +52,10 @@ RecognitionModel TrainModel(const world::ObjectModel& object);
 /// cannot be written is warned about. @throws InvalidArgument as TrainModel does.
 std::vector<RecognitionModel> TrainModels(const world::ObjectDatabase& database);
 
+/// The one of `models` that is called `name`; null when none is.
+const RecognitionModel* FindModel(const std::vector<RecognitionModel>& models,
+                                  const std::string& name);
+
 /// The lowest height of the model at X_CM above the plane n . p = d of C [m].
 double LowestHeight(const RecognitionModel& model, const Pose& X_CM,
                     const world::SupportPlane& plane_C);

@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "lib/common/check_range.h"
 #include "lib/common/error.h"
 #include "lib/common/rng.h"
 #include "lib/geometry/kd_tree.h"
@@ -215,33 +216,28 @@ void CheckPose(const Pose& X, const char* name) {
 }  // namespace
 
 void RegisterConfig::Validate() const {
-  const auto check = [](double value, double low, double high, const char* name) {
-    if (!(value >= low && value <= high)) {
-      Throw<ConfigError>("{} = {} must lie in {}..{}", name, value, low, high);
-    }
-  };
-  check(base_m, 1e-4, 1.0, "base_m");
-  check(base_yaw_deg, 1e-3, 30.0, "base_yaw_deg");
-  check(extrinsics_m, 1e-4, 1.0, "extrinsics_m");
-  check(extrinsics_deg, 1e-3, 30.0, "extrinsics_deg");
-  check(plane_spacing_m, 0.001, 1.0, "plane_spacing_m");
-  check(object_spacing_m, 0.001, 1.0, "object_spacing_m");
-  check(plane_height_m, 0.0, 0.2, "plane_height_m");
-  check(max_height_m, plane_height_m, 5.0, "max_height_m");
-  check(edge_face_m, 0.0, 1.0, "edge_face_m");
-  check(edge_drop_m, plane_height_m, 1.0, "edge_drop_m");
-  check(edge_gap_px, 0, 100, "edge_gap_px");
-  check(edge_radius_m, 0.001, 1.0, "edge_radius_m");
-  check(edge_sigma_m, 1e-4, 1.0, "edge_sigma_m");
-  check(plane_margin_m, 0.0, 1.0, "plane_margin_m");
-  check(last_gate_m, 0.001, 1.0, "last_gate_m");
-  check(first_gate_m, last_gate_m, 1.0, "first_gate_m");
-  check(max_normal_angle_deg, 1.0, 90.0, "max_normal_angle_deg");
-  check(iterations, 1, 1000, "iterations");
-  check(min_constraint, 0.0, 1.0, "min_constraint");
-  check(min_pairs, 6, 1e6, "min_pairs");
-  check(pairs_per_independent, 1.0, 1e6, "pairs_per_independent");
-  check(max_sigmas, 0.1, 100.0, "max_sigmas");
+  CheckRange(base_m, 1e-4, 1.0, "base_m");
+  CheckRange(base_yaw_deg, 1e-3, 30.0, "base_yaw_deg");
+  CheckRange(extrinsics_m, 1e-4, 1.0, "extrinsics_m");
+  CheckRange(extrinsics_deg, 1e-3, 30.0, "extrinsics_deg");
+  CheckRange(plane_spacing_m, 0.001, 1.0, "plane_spacing_m");
+  CheckRange(object_spacing_m, 0.001, 1.0, "object_spacing_m");
+  CheckRange(plane_height_m, 0.0, 0.2, "plane_height_m");
+  CheckRange(max_height_m, plane_height_m, 5.0, "max_height_m");
+  CheckRange(edge_face_m, 0.0, 1.0, "edge_face_m");
+  CheckRange(edge_drop_m, plane_height_m, 1.0, "edge_drop_m");
+  CheckRange(edge_gap_px, 0, 100, "edge_gap_px");
+  CheckRange(edge_radius_m, 0.001, 1.0, "edge_radius_m");
+  CheckRange(edge_sigma_m, 1e-4, 1.0, "edge_sigma_m");
+  CheckRange(plane_margin_m, 0.0, 1.0, "plane_margin_m");
+  CheckRange(last_gate_m, 0.001, 1.0, "last_gate_m");
+  CheckRange(first_gate_m, last_gate_m, 1.0, "first_gate_m");
+  CheckRange(max_normal_angle_deg, 1.0, 90.0, "max_normal_angle_deg");
+  CheckRange(iterations, 1, 1000, "iterations");
+  CheckRange(min_constraint, 0.0, 1.0, "min_constraint");
+  CheckRange(min_pairs, 6, 1e6, "min_pairs");
+  CheckRange(pairs_per_independent, 1.0, 1e6, "pairs_per_independent");
+  CheckRange(max_sigmas, 0.1, 100.0, "max_sigmas");
 }
 
 PoseCovariance NominalCovariance(const RegisterConfig& config, const Vector3d& p_CB_W) {

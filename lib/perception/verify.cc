@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "lib/common/error.h"
+#include "lib/common/check_range.h"
 #include "lib/perception/color_match.h"
 #include "lib/perception/depth_bias.h"
 
@@ -213,22 +213,17 @@ double Width(const RecognitionModel& model) {
 }  // namespace
 
 void VerifyConfig::Validate() const {
-  const auto check = [](double value, double low, double high, const char* name) {
-    if (!(value >= low && value <= high)) {
-      Throw<ConfigError>("{} = {} must lie in {}..{}", name, value, low, high);
-    }
-  };
-  check(min_quality, 0.0, 1.0, "min_quality");
-  check(min_visible_px, 1, 1e6, "min_visible_px");
-  check(min_visible_fraction, 0.0, 1.0, "min_visible_fraction");
-  check(min_inner, 0.0, 1.0, "min_inner");
-  check(max_unmeasured, 0.0, 1.0, "max_unmeasured");
-  check(min_matching, 0.0, 1.0, "min_matching");
-  check(max_see_through, 0.0, 1.0, "max_see_through");
-  check(min_explained, 0.0, 1.0, "min_explained");
-  check(min_color_agreement, 0.0, 1.0, "min_color_agreement");
-  check(max_gap_m, 0.0, 1.0, "max_gap_m");
-  check(max_sink_m, 0.0, 1.0, "max_sink_m");
+  CheckRange(min_quality, 0.0, 1.0, "min_quality");
+  CheckRange(min_visible_px, 1, 1e6, "min_visible_px");
+  CheckRange(min_visible_fraction, 0.0, 1.0, "min_visible_fraction");
+  CheckRange(min_inner, 0.0, 1.0, "min_inner");
+  CheckRange(max_unmeasured, 0.0, 1.0, "max_unmeasured");
+  CheckRange(min_matching, 0.0, 1.0, "min_matching");
+  CheckRange(max_see_through, 0.0, 1.0, "max_see_through");
+  CheckRange(min_explained, 0.0, 1.0, "min_explained");
+  CheckRange(min_color_agreement, 0.0, 1.0, "min_color_agreement");
+  CheckRange(max_gap_m, 0.0, 1.0, "max_gap_m");
+  CheckRange(max_sink_m, 0.0, 1.0, "max_sink_m");
 }
 
 world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, const View& view,

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "lib/common/check_range.h"
 #include "lib/common/error.h"
 #include "lib/common/parallel.h"
 #include "lib/geometry/point_image.h"
@@ -353,24 +354,19 @@ void AspectGraphConfig::Validate() const {
   if (ray_columns < 8 || ray_columns > 4096) {
     Throw<ConfigError>("ray_columns = {} must lie in 8..4096", ray_columns);
   }
-  const auto check = [](double value, double low, double high, const char* name) {
-    if (!(value >= low && value <= high)) {
-      Throw<ConfigError>("{} = {} must lie in {}..{}", name, value, low, high);
-    }
-  };
-  check(box_margin_m, 0.0, 1.0, "box_margin_m");
-  check(unknown_m, 0.0, 10.0, "unknown_m");
-  check(unknown_survival, 0.0, 1.0, "unknown_survival");
-  check(min_visibility, 0.0, 1.0, "min_visibility");
-  check(same_view_deg, 0.0, 179.0, "same_view_deg");
-  check(new_view_deg, same_view_deg + 1.0, 180.0, "new_view_deg");
-  check(new_view_unknown_deg, same_view_deg + 1.0, 180.0, "new_view_unknown_deg");
-  check(same_view_novelty, 0.0, 1.0, "same_view_novelty");
-  check(look_seconds, 0.01, 3600.0, "look_seconds");
-  check(depth_sigmas, 0.0, 100.0, "depth_sigmas");
-  check(color_difference, 0.0, 1.0, "color_difference");
-  check(settling_difference, 1e-6, 1.0, "settling_difference");
-  check(fixed_step_deg, -360.0, 360.0, "fixed_step_deg");
+  CheckRange(box_margin_m, 0.0, 1.0, "box_margin_m");
+  CheckRange(unknown_m, 0.0, 10.0, "unknown_m");
+  CheckRange(unknown_survival, 0.0, 1.0, "unknown_survival");
+  CheckRange(min_visibility, 0.0, 1.0, "min_visibility");
+  CheckRange(same_view_deg, 0.0, 179.0, "same_view_deg");
+  CheckRange(new_view_deg, same_view_deg + 1.0, 180.0, "new_view_deg");
+  CheckRange(new_view_unknown_deg, same_view_deg + 1.0, 180.0, "new_view_unknown_deg");
+  CheckRange(same_view_novelty, 0.0, 1.0, "same_view_novelty");
+  CheckRange(look_seconds, 0.01, 3600.0, "look_seconds");
+  CheckRange(depth_sigmas, 0.0, 100.0, "depth_sigmas");
+  CheckRange(color_difference, 0.0, 1.0, "color_difference");
+  CheckRange(settling_difference, 1e-6, 1.0, "settling_difference");
+  CheckRange(fixed_step_deg, -360.0, 360.0, "fixed_step_deg");
 }
 
 AspectGraph ScoreAspectGraph(const world::VoxelSpace& space, const geometry::CameraModel& camera,
