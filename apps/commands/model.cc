@@ -2,10 +2,12 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "apps/commands/commands.h"
+#include "lib/common/error.h"
 #include "lib/perception/training_file.h"
 #include "lib/world/object_database.h"
 
@@ -17,7 +19,32 @@ struct ModelOptions {
   std::string unit;
   std::string name;
   std::string models;
+  std::vector<std::string> symmetries;
 };
+
+void Remove(const std::string& name, const std::string& folder) {
+  world::RemoveModel(name, folder);
+  std::filesystem::remove(perception::TrainingFile(std::filesystem::path(folder) / name));
+}
+
+void Add(const ModelOptions& options) {
+  std::vector<world::DeclaredSymmetry> symmetries;
+  for (const std::string& text : options.symmetries) {
+    symmetries.push_back(world::ParseSymmetry(text));
+  }
+  world::AddModel(options.mesh, geometry::ParseLengthUnit(options.unit), options.name,
+                  options.models, symmetries);
+  // What recognition trains is made here once, so that no mission has to. A model that can't be
+  // trained doesn't stay.
+  const std::filesystem::path folder = std::filesystem::path(options.models) / options.name;
+  std::filesystem::remove(perception::TrainingFile(folder));
+  try {
+    perception::TrainModels(world::ObjectDatabase({world::ReadModel(folder)}));
+  } catch (const InvalidArgument&) {
+    Remove(options.name, options.models);
+    throw;
+  }
+}
 
 void List(const std::string& folder) {
   const auto database = world::ObjectDatabase::Load(folder);
@@ -41,13 +68,11 @@ void AddModel(CLI::App* app, int*) {
   add->add_option("--unit", options->unit, "Its unit of length: m or mm")->required();
   add->add_option("--name", options->name, "What the object is to be called")->required();
   add->add_option("--models", options->models, "Model folder; made when missing")->required();
+  add->add_option("--symmetry", options->symmetries,
+                  "A turn that leaves it as it is: an axis (x, y, z or a direction 0,1,1), with :N "
+                  "for the steps of a whole turn; may be repeated");
   add->callback([options] {
-    world::AddModel(options->mesh, geometry::ParseLengthUnit(options->unit), options->name,
-                    options->models);
-    // What recognition trains is made here once, so that no mission has to.
-    const std::filesystem::path folder = std::filesystem::path(options->models) / options->name;
-    std::filesystem::remove(perception::TrainingFile(folder));
-    perception::TrainModels(world::ObjectDatabase({world::ReadModel(folder)}));
+    Add(*options);
     fmt::print("added '{}' to {}\n", options->name, options->models);
   });
 
@@ -59,9 +84,7 @@ void AddModel(CLI::App* app, int*) {
   remove->add_option("--name", options->name, "Name of the model")->required();
   remove->add_option("--models", options->models, "Model folder")->required();
   remove->callback([options] {
-    world::RemoveModel(options->name, options->models);
-    std::filesystem::remove(
-        perception::TrainingFile(std::filesystem::path(options->models) / options->name));
+    Remove(options->name, options->models);
     fmt::print("removed '{}' from {}\n", options->name, options->models);
   });
 }

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "apps/json_output.h"
 #include "apps/rgbd_images.h"
 #include "lib/common/error.h"
+#include "lib/common/numbers.h"
 #include "lib/geometry/undistort.h"
 
 namespace secondlook::apps {
@@ -37,19 +37,9 @@ struct Lens {
 };
 
 Lens ParseCamera(const std::string& text, int width, int height) {
-  std::vector<double> values;
-  std::istringstream in(text);
-  for (std::string part; std::getline(in, part, ',');) {
-    std::size_t used = 0;
-    try {
-      values.push_back(std::stod(part, &used));
-    } catch (const std::exception&) {
-      used = 0;
-    }
-    if (used == 0 || used != part.size()) {
-      Throw<InvalidArgument>("--camera {}: '{}' is no number", text, part);
-    }
-  }
+  std::optional<std::vector<double>> numbers = ParseNumbers(text);
+  if (!numbers) Throw<InvalidArgument>("--camera {}: is no list of numbers fx,fy,cx,cy", text);
+  std::vector<double>& values = *numbers;
   if (values.size() < 4 || values.size() > 9) {
     Throw<InvalidArgument>(
         "--camera {}: {} values; give fx,fy,cx,cy or fx,fy,cx,cy,k1,k2,p1,p2,k3 (trailing zeros "

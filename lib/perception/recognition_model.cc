@@ -14,6 +14,7 @@
 #include "lib/common/rng.h"
 #include "lib/geometry/orient.h"
 #include "lib/geometry/sampling.h"
+#include "lib/perception/declared_symmetry.h"
 #include "lib/perception/training_file.h"
 
 namespace secondlook::perception {
@@ -230,6 +231,11 @@ RecognitionModel TrainModel(const world::ObjectModel& object) {
               model.points[static_cast<std::size_t>(rng.Index(i + 1))]);
   }
   model.symmetry = FindSymmetry(model.mesh);
+  try {
+    Declare(object.symmetries, model.mesh, &model.symmetry);
+  } catch (const InvalidArgument& e) {
+    Throw<InvalidArgument>("model '{}': {}", object.name, e.what());
+  }
   model.hull = HullPoints(model.mesh.vertices, SphereDirections(400));
   model.resting_M = RestingDirections(model.hull, model.center_M, model.symmetry);
   model.ppf = TrainPpf(outward, kPpfSampling);

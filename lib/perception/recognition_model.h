@@ -42,8 +42,8 @@ struct RecognitionModel {
 };
 
 /// Prepares `object`. Deterministic. The mesh may be wound the wrong way, in whole or in part.
-/// @throws InvalidArgument naming the object: a mesh without a triangle or without area, or a
-/// vertex that is not finite.
+/// @throws InvalidArgument naming the object: a mesh without a triangle or without area, a vertex
+/// that is not finite, or a declared symmetry that its shape does not have.
 RecognitionModel TrainModel(const world::ObjectModel& object);
 
 /// Prepares every object of `database`, in its order. What was trained from an object that lies in

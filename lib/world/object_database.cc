@@ -1,6 +1,7 @@
 #include "lib/world/object_database.h"
 
 #include <algorithm>
+#include <cmath>
 #include <system_error>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "lib/common/error.h"
 #include "lib/common/files.h"
 #include "lib/common/hash.h"
+#include "lib/common/numbers.h"
 #include "lib/common/yaml_reader.h"
 
 namespace secondlook::world {
@@ -19,6 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFormat = 1;
 constexpr const char* kMetadata = "model.yaml";
+constexpr int kMostFold = 24;
 
 /// The content of model.yaml.
 struct Metadata {
@@ -27,6 +30,7 @@ struct Metadata {
   std::string mesh;
   std::string unit;
   std::string hash;
+  std::vector<std::string> symmetries;
 
   template <class A>
   void Serialize(A* a) {
@@ -35,6 +39,7 @@ struct Metadata {
     a->Visit("mesh", &mesh);
     a->Visit("unit", &unit);
     a->Visit("hash", &hash);
+    a->Visit("symmetries", &symmetries);
   }
 };
 
@@ -70,6 +75,18 @@ Metadata ReadMetadata(const fs::path& file) {
   return metadata;
 }
 
+std::string MetadataText(const std::string& name, std::uint64_t hash,
+                         const std::vector<DeclaredSymmetry>& symmetries) {
+  std::string text =
+      fmt::format("format: {}\nname: \"{}\"\nmesh: mesh.obj\nunit: m\nhash: \"{}\"\n", kFormat,
+                  name, HexDigits(hash));
+  if (!symmetries.empty()) text += "symmetries:\n";
+  for (const DeclaredSymmetry& symmetry : symmetries) {
+    text += fmt::format("  - \"{}\"\n", Text(symmetry));
+  }
+  return text;
+}
+
 void SortByName(std::vector<ObjectModel>* models) {
   std::sort(models->begin(), models->end(),
             [](const ObjectModel& a, const ObjectModel& b) { return a.name < b.name; });
@@ -101,6 +118,40 @@ void CheckName(const std::string& name) {
 }
 
 }  // namespace
+
+DeclaredSymmetry ParseSymmetry(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const std::string axis = text.substr(0, colon);
+  const bool letter = axis.size() == 1 && axis[0] >= 'x' && axis[0] <= 'z';
+  const std::vector<double> direction = ParseNumbers(axis).value_or(std::vector<double>{});
+  DeclaredSymmetry symmetry;
+  if (letter) symmetry.direction_M = Eigen::Vector3d::Unit(axis[0] - 'x');
+  if (direction.size() == 3) symmetry.direction_M = {direction[0], direction[1], direction[2]};
+  bool valid = symmetry.direction_M.norm() > 1e-9;
+  if (colon != std::string::npos) {
+    const double fold = ParseNumber(text.substr(colon + 1)).value_or(0.0);
+    valid = valid && fold >= 2.0 && fold <= kMostFold && fold == std::floor(fold);
+    if (valid) symmetry.fold = static_cast<int>(fold);
+  }
+  if (!valid) {
+    Throw<InvalidArgument>(
+        "symmetry '{}': give an axis (x, y, z, or a direction such as 0,1,1) for any turn about "
+        "it, "
+        "or with the steps of a whole turn, from 2 to {}, such as z:4",
+        text, kMostFold);
+  }
+  symmetry.direction_M.normalize();
+  return symmetry;
+}
+
+std::string Text(const DeclaredSymmetry& symmetry) {
+  const Eigen::Vector3d& d = symmetry.direction_M;
+  std::string text = fmt::format("{},{},{}", d.x(), d.y(), d.z());
+  for (int i = 0; i < 3; ++i) {
+    if (d == Eigen::Vector3d::Unit(i)) text = std::string(1, static_cast<char>('x' + i));
+  }
+  return symmetry.fold == 0 ? text : fmt::format("{}:{}", text, symmetry.fold);
+}
 
 std::vector<fs::path> ModelFolders(const fs::path& folder) {
   if (!fs::is_directory(folder)) {
@@ -142,7 +193,16 @@ ObjectModel ReadModel(const fs::path& folder) {
         "model and add it anew",
         file.string(), metadata.name, HexDigits(hash), metadata.hash);
   }
-  return {metadata.name, geometry::LoadMesh(folder / metadata.mesh, unit), hash, folder};
+  ObjectModel model{metadata.name, geometry::LoadMesh(folder / metadata.mesh, unit), hash, folder};
+  for (const std::string& symmetry : metadata.symmetries) {
+    try {
+      model.symmetries.push_back(ParseSymmetry(symmetry));
+    } catch (const InvalidArgument& e) {
+      Throw<ConfigError>("{}: {}", file.string(), e.what());
+    }
+    model.hash = Fnv1a(symmetry, model.hash);
+  }
+  return model;
 }
 
 ObjectDatabase::ObjectDatabase(std::vector<ObjectModel> models) : models_(std::move(models)) {
@@ -175,7 +235,7 @@ const ObjectModel* ObjectDatabase::Find(const std::string& name) const {
 }
 
 void AddModel(const fs::path& mesh_file, geometry::LengthUnit unit, const std::string& name,
-              const fs::path& folder) {
+              const fs::path& folder, const std::vector<DeclaredSymmetry>& symmetries) {
   CheckName(name);
   const fs::path target = folder / name;
   if (fs::exists(target)) {
@@ -191,9 +251,7 @@ void AddModel(const fs::path& mesh_file, geometry::LengthUnit unit, const std::s
   fs::remove_all(unfinished, error);
   MakeWritableFolder(unfinished);
   geometry::SaveObj(mesh, unfinished);
-  WriteFile(unfinished / kMetadata,
-            fmt::format("format: {}\nname: \"{}\"\nmesh: mesh.obj\nunit: m\nhash: \"{}\"\n",
-                        kFormat, name, HexDigits(HashOf(unfinished, "mesh.obj"))));
+  WriteFile(unfinished / kMetadata, MetadataText(name, HashOf(unfinished, "mesh.obj"), symmetries));
   fs::rename(unfinished, target, error);
   if (error) {
     Throw<ConfigError>("{}: cannot be made: {}", target.string(), error.message());

@@ -5,16 +5,34 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "lib/geometry/mesh.h"
 
 namespace secondlook::world {
 
+/// Turns about a line through the middle of an object's bounding box that leave it as it is, by the
+/// word of the user: what print or a seam may tell apart does not matter.
+struct DeclaredSymmetry {
+  Eigen::Vector3d direction_M{Eigen::Vector3d::Zero()};  ///< Of the line. Unit.
+  int fold{};  ///< So many equal steps make a whole turn, >= 2; 0: any turn.
+};
+
+/// Parses "z" (any turn about the z axis of M), "z:4" (quarter turns), "0,1,1:2" (half turns about
+/// that direction). @throws InvalidArgument naming `text` and what is expected.
+DeclaredSymmetry ParseSymmetry(const std::string& text);
+
+/// As ParseSymmetry() reads it.
+std::string Text(const DeclaredSymmetry& symmetry);
+
 /// One known object.
 struct ObjectModel {
   std::string name;
-  geometry::Mesh mesh;   ///< Model frame M [m].
-  std::uint64_t hash{};  ///< Of the mesh, material and texture files; caches are keyed by it.
+  geometry::Mesh mesh;  ///< Model frame M [m].
+  /// Of the mesh, material and texture files and the declared symmetries; caches are keyed by it.
+  std::uint64_t hash{};
   std::filesystem::path folder{};  ///< Where it was read from; empty: nowhere.
+  std::vector<DeclaredSymmetry> symmetries{};
 };
 
 /// The sub-folders of `folder` that hold a model, by name; those that AddModel has not finished are
@@ -28,7 +46,8 @@ std::vector<std::filesystem::path> ModelFolders(const std::filesystem::path& fol
 ObjectModel ReadModel(const std::filesystem::path& folder);
 
 /// The objects the robot knows. On disk: a folder with one sub-folder per object that holds
-/// `model.yaml` {format: 1, name, mesh, unit, hash} and the mesh file with what it refers to.
+/// `model.yaml` {format: 1, name, mesh, unit, hash, symmetries} and the mesh file with what it
+/// refers to.
 class ObjectDatabase {
  public:
   ObjectDatabase() = default;
@@ -56,7 +75,8 @@ class ObjectDatabase {
 /// when missing). The object is written whole to a temporary folder and renamed.
 /// @throws ConfigError for a name that is taken or is no plain file name, or when LoadMesh refuses.
 void AddModel(const std::filesystem::path& mesh_file, geometry::LengthUnit unit,
-              const std::string& name, const std::filesystem::path& folder);
+              const std::string& name, const std::filesystem::path& folder,
+              const std::vector<DeclaredSymmetry>& symmetries = {});
 
 /// Removes `name` from the database in `folder`. @throws ConfigError when there is none.
 void RemoveModel(const std::string& name, const std::filesystem::path& folder);

@@ -73,6 +73,35 @@ TEST_F(ObjectDatabaseFolder, GrowsInTheOrderOfNamesAndByNewNamesAlone) {
                 "two objects are named 'cone'");
 }
 
+TEST_F(ObjectDatabaseFolder, KeepsDeclaredSymmetriesAndKnowsThemByTheHash) {
+  Add("pyramid");
+  AddModel(mesh_, LengthUnit::kMetre, "turned", models_,
+           {ParseSymmetry("z"), ParseSymmetry("0,3,4:2")});
+  const ObjectDatabase database = ObjectDatabase::Load(models_);
+  const ObjectModel& turned = *database.Find("turned");
+  ASSERT_EQ(turned.symmetries.size(), 2U);
+  EXPECT_EQ(turned.symmetries[0].direction_M, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(turned.symmetries[0].fold, 0);
+  EXPECT_TRUE(turned.symmetries[1].direction_M.isApprox(Eigen::Vector3d(0.0, 0.6, 0.8)));
+  EXPECT_EQ(turned.symmetries[1].fold, 2);
+  // What was trained without the declaration must not be used with it.
+  EXPECT_NE(turned.hash, database.Find("pyramid")->hash);
+}
+
+TEST_F(ObjectDatabaseFolder, NamesTheFileOfASymmetryThatIsNone) {
+  AddModel(mesh_, LengthUnit::kMetre, "pyramid", models_, {ParseSymmetry("z:4")});
+  Edit(models_ / "pyramid" / "model.yaml", "z:4", "w:4");
+  EXPECT_THROWS(ReadModel(models_ / "pyramid"), ConfigError,
+                "model.yaml: symmetry 'w:4': give an axis (x, y, z, or a direction such as 0,1,1)");
+}
+
+TEST(ParseSymmetry, RefusesWhatIsNoAxisOrNoNumberOfSteps) {
+  for (const char* text : {"", ":", "z:", "z:1", "z:25", "z:2.5", "z:-4", "zz", "0,0,0", "1,2",
+                           "1,2,nan", "z:4:4", "Z"}) {
+    EXPECT_THROWS(ParseSymmetry(text), InvalidArgument, "from 2 to 24, such as z:4") << text;
+  }
+}
+
 TEST_F(ObjectDatabaseFolder, ScalesMillimetresToMetres) {
   WriteFile(mesh_,
             "v 0 0 0\nv 200 0 0\nv 0 200 0\nv 0 0 200\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
