@@ -13,11 +13,11 @@
 namespace secondlook::perception {
 namespace {
 
-constexpr int kDense = 4000;           // points that stand for the surface
-constexpr int kProbes = 300;           // points that are turned
+constexpr int kDense = 4000;            // points that stand for the surface
+constexpr int kProbes = 300;            // points that are turned
 constexpr double kMostDistance = 0.05;  // of the diameter, between turned point and surface
-constexpr double kSameTurn = 0.15;     // [rad]
-constexpr int kTriedTurns = 7;         // of an axis that any turn is declared about
+constexpr double kSameTurn = 0.15;      // [rad]
+constexpr int kTriedTurns = 7;          // of an axis that any turn is declared about
 
 /// How far turned points lie from the surface.
 class TurnedSurface {

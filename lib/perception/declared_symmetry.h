@@ -12,8 +12,8 @@ namespace secondlook::perception {
 /// about lines through the middle of its bounding box, and their products with the motions that are
 /// there. They count as keeping the colour, whatever the print says: that is what a user declares
 /// them for.
-/// @throws InvalidArgument naming the symmetry when the turned surface lies too far from the mesh: 3 %
-/// of its points farther than 0.05 of its diameter. @pre !mesh.empty().
+/// @throws InvalidArgument naming the symmetry when the turned surface lies too far from the mesh:
+/// 3 % of its points farther than 0.05 of its diameter. @pre !mesh.empty().
 void Declare(const std::vector<world::DeclaredSymmetry>& declared, const geometry::Mesh& mesh,
              Symmetry* symmetry);
 

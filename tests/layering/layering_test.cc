@@ -23,6 +23,8 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"lib/hal", {"lib/common", "lib/geometry"}},
     {"lib/hal/replay",
      {"lib/common", "lib/geometry", "lib/kinematics", "lib/transport", "second_look", "lib/hal"}},
+    {"lib/hal/drivers",
+     {"lib/common", "lib/geometry", "lib/kinematics", "lib/transport", "second_look", "lib/hal"}},
     {"lib/world", {"lib/common", "lib/geometry", "lib/hal"}},
     {"lib/perception", {"lib/common", "lib/geometry", "lib/hal", "lib/world"}},
     {"lib/fusion", {"lib/common", "lib/geometry", "lib/hal", "lib/world"}},
