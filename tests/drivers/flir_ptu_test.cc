@@ -81,8 +81,8 @@ INSTANTIATE_TEST_SUITE_P(Flir, PanTiltContract,
 TEST(FlirPtu, ReadsItsLimitsFromTheUnit) {
   Unit unit;
   unit.Connect();
-  // The data sheet: 185.1428 arc seconds a count; pan 3090 counts to either side, tilt 604 up and 907
-  // down. Ours counts tilt downwards.
+  // The data sheet: 185.1428 arc seconds a count; pan 3090 counts to either side, tilt 604 up and
+  // 907 down. Ours counts tilt downwards.
   const PanTiltInfo& info = unit.head->info();
   EXPECT_NEAR(info.upper.pan, 158.91 * kDegree, 0.01 * kDegree);
   EXPECT_NEAR(info.lower.pan, -158.91 * kDegree, 0.01 * kDegree);

@@ -126,7 +126,8 @@ void PtuEmulator::Run() {
       if (command.empty()) continue;
       const std::scoped_lock lock(mutex_);
       const std::string echo = echo_ ? command + " " : "";
-      const std::string answer = fault_ == PtuFault::kSilent || fault_ == PtuFault::kTalks ? "" : echo + Answer(command);
+      const std::string answer =
+          fault_ == PtuFault::kSilent || fault_ == PtuFault::kTalks ? "" : echo + Answer(command);
       static_cast<void>(write(master_, answer.data(), answer.size()));
       clock_->Heard();
       command.clear();
@@ -171,13 +172,20 @@ std::string PtuEmulator::Answer(const std::string& command) {
   if (axis == nullptr || command.size() < 2) return noise + "! Illegal command argument\r\n";
   if (question) {
     switch (command[1]) {
-      case 'p': return noise + Number("Current position is", std::round(axis->position));
-      case 'r': return noise + Number("seconds arc per position:", kArcSecondsPerCount);
-      case 'n': return noise + Number("Minimum position is", axis->lower);
-      case 'x': return noise + Number("Maximum position is", axis->upper);
-      case 'u': return noise + Number("Maximum speed is", 2902);
-      case 'l': return noise + Number("Minimum speed is", 31);
-      default: return noise + "! Illegal command\r\n";
+      case 'p':
+        return noise + Number("Current position is", std::round(axis->position));
+      case 'r':
+        return noise + Number("seconds arc per position:", kArcSecondsPerCount);
+      case 'n':
+        return noise + Number("Minimum position is", axis->lower);
+      case 'x':
+        return noise + Number("Maximum position is", axis->upper);
+      case 'u':
+        return noise + Number("Maximum speed is", 2902);
+      case 'l':
+        return noise + Number("Minimum speed is", 31);
+      default:
+        return noise + "! Illegal command\r\n";
     }
   }
   const std::optional<double> value = ParseNumber(std::string_view(command).substr(2));

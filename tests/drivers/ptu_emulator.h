@@ -12,8 +12,8 @@
 namespace secondlook::hal {
 
 /// A clock that runs only while SleepUntil() waits, and there in small steps, after each of which
-/// the other side of the wire is heard: so a test depends neither on the speed of the machine nor on
-/// how its threads take turns.
+/// the other side of the wire is heard: so a test depends neither on the speed of the machine nor
+/// on how its threads take turns.
 class SteppedClock : public Clock {
  public:
   Time Now() const override;
@@ -43,8 +43,8 @@ enum class PtuFault {
   kUnplugged,  ///< Its port is gone. kNone plugs it in again, powered up anew.
 };
 
-/// A FLIR PTU-D46 at a pseudo-terminal, with the figures of its data sheet. It powers up as the real
-/// one does: a banner, echo on, long answers, at its zero.
+/// A FLIR PTU-D46 at a pseudo-terminal, with the figures of its data sheet. It powers up as the
+/// real one does: a banner, echo on, long answers, at its zero.
 class PtuEmulator {
  public:
   /// @param clock By which it moves. @param folder Where its port appears, as a link.
@@ -80,8 +80,8 @@ class PtuEmulator {
   bool echo_{true};
   bool terse_{};
   int answers_{};
-  Axis pan_{0, 0, 1000, -3090, 3090};   // +-159 deg at 185.1428 arc seconds
-  Axis tilt_{0, 0, 1000, -907, 604};    // -46.6 to 31 deg
+  Axis pan_{0, 0, 1000, -3090, 3090};  // +-159 deg at 185.1428 arc seconds
+  Axis tilt_{0, 0, 1000, -907, 604};   // -46.6 to 31 deg
   Time moved_at_{};
   std::string last_command_;
   std::atomic<bool> quit_{false};

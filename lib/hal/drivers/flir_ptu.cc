@@ -15,11 +15,10 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kArcSecond = kDegree / 3600.0;
-constexpr double kReached = 0.25 * kDegree;  // half of what PanTilt::Status() allows
-constexpr double kStill = 0.02 * kDegree;    // less than a count of the unit
+constexpr double kReached = 0.25 * kDegree;       // half of what PanTilt::Status() allows
+constexpr double kStill = 0.02 * kDegree;         // less than a count of the unit
 constexpr Duration kTellsMotion = Seconds(0.05);  // two measurements so far apart do
 constexpr Duration kStalled = Seconds(1.0);
-constexpr int kHomeSeconds = 40;
 
 double Distance(const PanTiltAngles& a, const PanTiltAngles& b) {
   return std::max(std::abs(a.pan - b.pan), std::abs(a.tilt - b.tilt));
@@ -27,8 +26,11 @@ double Distance(const PanTiltAngles& a, const PanTiltAngles& b) {
 
 std::string Degrees(const PanTiltAngles& angles) {
   // Rounded before it is written, so that no zero has a sign.
-  const auto hundredths = [](double angle) { return std::round(100.0 * angle / kDegree) / 100.0 + 0.0; };
-  return fmt::format("pan {:.2f}, tilt {:.2f} deg", hundredths(angles.pan), hundredths(angles.tilt));
+  const auto hundredths = [](double angle) {
+    return std::round(100.0 * angle / kDegree) / 100.0 + 0.0;
+  };
+  return fmt::format("pan {:.2f}, tilt {:.2f} deg", hundredths(angles.pan),
+                     hundredths(angles.tilt));
 }
 
 }  // namespace
@@ -42,7 +44,10 @@ void FlirPtuConfig::Validate() const {
 FlirPtu::FlirPtu(const FlirPtuConfig& config, const Clock* clock) : config_(config), clock_(clock) {
   config_.Validate();
   Connect();
-  if (config_.home) Home();
+  if (config_.home) {
+    link_->Reset();
+    Connect();  // it begins anew
+  }
   Measure();
   thread_ = std::thread([this] { Run(); });
 }
@@ -117,20 +122,6 @@ void FlirPtu::ReadInfo() {
            {pan_lower, tilt_lower},
            {pan_upper, tilt_upper},
            speed};
-}
-
-/// Resets the unit, which turns both axes to their ends and back, and waits until it answers again.
-void FlirPtu::Home() {
-  for (int second = 0;; ++second) {
-    try {
-      if (second == 0) link_->Do("r");
-      link_->Ask("pp");
-      break;
-    } catch (const DeviceError&) {
-      if (second == kHomeSeconds) throw;
-    }
-  }
-  Connect();
 }
 
 void FlirPtu::Run() {

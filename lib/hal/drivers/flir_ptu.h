@@ -19,8 +19,8 @@ struct FlirPtuConfig {
 
   std::string device{"/dev/ttyUSB0"};
   int baud{9600};
-  double speed_deg{60.0};       ///< Of both axes, a second; the unit's own limit where lower.
-  bool home{false};             ///< Let the unit find its zero at the start: it turns to its ends.
+  double speed_deg{60.0};        ///< Of both axes, a second; the unit's own limit where lower.
+  bool home{false};              ///< Let the unit find its zero at the start: it turns to its ends.
   bool pan_positive_left{true};  ///< As the unit counts: false where it is mounted upside down.
   bool tilt_positive_up{true};   ///< The D46 looks up with positive tilt.
   double poll_seconds{0.05};     ///< Between two questions for its position.
@@ -40,8 +40,8 @@ struct FlirPtuConfig {
 };
 
 /// A FLIR PTU-D46 or -E46 at a serial port. Its limits and resolution are read from the unit. A
-/// thread of its own speaks with it, so that no caller waits; a unit that no longer answers, or whose
-/// port is gone, is tried again every second, and what it was doing has failed.
+/// thread of its own speaks with it, so that no caller waits; a unit that no longer answers, or
+/// whose port is gone, is tried again every second, and what it was doing has failed.
 class FlirPtu : public PanTilt {
  public:
   /// Connects, waiting for the unit to be ready.
@@ -75,7 +75,6 @@ class FlirPtu : public PanTilt {
   void Connect();
   void ReadInfo();
   Scale ReadScale();
-  void Home();
   void Run();
   void Turn();
   void HaltWhenAsked();

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kTries = 3;
 constexpr Duration kPatience = Seconds(0.3);  // between two bytes
+constexpr Duration kResetPatience = Seconds(40.0);
 constexpr int kMostLines = 50;             // before an answer
 constexpr std::size_t kMostUnread = 4096;  // [bytes] of a line
 
@@ -46,8 +47,19 @@ FlirPtuLink::FlirPtuLink(const std::string& device, int baud)
 
 void FlirPtuLink::Do(const std::string& command) { Answer(command, false); }
 
-double FlirPtuLink::Ask(const std::string& command) {
-  return *FirstNumber(Answer(command, true));
+double FlirPtuLink::Ask(const std::string& command) { return *FirstNumber(Answer(command, true)); }
+
+void FlirPtuLink::Reset() {
+  port_.Flush();
+  unread_.clear();
+  port_.Write("r ");
+  for (Duration waited{}; waited < kResetPatience; waited += kPatience) {
+    if (WithoutLimitNotes(ReadLine()).starts_with('*')) return;
+  }
+  Throw<DeviceError>(
+      "{}: the pan-tilt unit has not found its zero within {:.0f} s: is something in "
+      "its way?",
+      device_, ToSeconds(kResetPatience));
 }
 
 std::string FlirPtuLink::Answer(const std::string& command, bool number) {
@@ -73,7 +85,8 @@ std::string FlirPtuLink::Answer(const std::string& command, bool number) {
     }
   }
   Throw<DeviceError>(
-      "{}: no answer to '{}' from the pan-tilt unit, asked {} times: is it the right port, powered, "
+      "{}: no answer to '{}' from the pan-tilt unit, asked {} times: is it the right port, "
+      "powered, "
       "and at this baud rate?",
       device_, command, kTries);
 }

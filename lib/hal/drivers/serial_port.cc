@@ -20,10 +20,14 @@ const char* AdviceFor(int error) {
   switch (error) {
     case ENOENT:
     case ENXIO:
-    case ENODEV: return ": is it plugged in, and powered?";
-    case EACCES: return ": let this user have the port (group dialout)";
-    case EBUSY: return ": another program has it";
-    default: return "";
+    case ENODEV:
+      return ": is it plugged in, and powered?";
+    case EACCES:
+      return ": let this user have the port (group dialout)";
+    case EBUSY:
+      return ": another program has it";
+    default:
+      return "";
   }
 }
 
