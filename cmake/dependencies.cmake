@@ -17,6 +17,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
 pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
+pkg_check_modules(OPENNI2 REQUIRED IMPORTED_TARGET libopenni2)
 pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)
 # Its definitions would part it from the precompiled header; apps/http.h has them.
 set_target_properties(PkgConfig::HTTPLIB PROPERTIES INTERFACE_COMPILE_OPTIONS "")
