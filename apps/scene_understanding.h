@@ -1,13 +1,12 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/capture.h"
 #include "apps/mission_config.h"
-#include "lib/geometry/depth_rasteriser.h"
+#include "apps/multi_view_verification.h"
 #include "lib/perception/recognition_model.h"
 #include "lib/perception/register_view.h"
 #include "lib/perception/view.h"
@@ -76,26 +75,7 @@ class SceneUnderstanding {
   std::vector<world::Detection> Recognise(const Matched& matched) const;
   int MergedObject(const std::vector<int>& ids);
   void AddSighting(int view, int detection, world::ObjectBelief* object);
-  void AddFreshHypotheses(int view, const world::Detection& detection,
-                          world::ObjectBelief* object) const;
-  Pose RefinedIn(const world::Sighting& sighting, const perception::RecognitionModel& model,
-                 const Pose& X_WM);
-  world::ViewEvidence Ask(const world::Sighting& sighting,
-                          const perception::RecognitionModel& model, const Pose& X_CM);
-  world::PoseHypothesis Turned(const world::ObjectBelief& object, const world::PoseHypothesis& best,
-                               const Pose& X_MS);
-  std::optional<world::PoseHypothesis> RefinedTogether(const world::ObjectBelief& object,
-                                                       const world::PoseHypothesis& best);
-  std::optional<world::PoseHypothesis> Recentred(const world::ObjectBelief& object,
-                                                 const world::PoseHypothesis& best,
-                                                 const Pose& X_MS);
-  void ExamineTurns(world::ObjectBelief* object);
-  void CompleteEvidence(world::ObjectBelief* object);
-  void DropConverged(world::ObjectBelief* object) const;
-  void DropLeaning(world::ObjectBelief* object) const;
-  void FusePose(world::PoseHypothesis* hypothesis) const;
-  double LikelyFreeShare(const world::PoseHypothesis& hypothesis) const;
-  int ClearViews(const world::ObjectBelief& object) const;
+  MultiViewVerification Verification() const;
   void Conclude(world::ObjectBelief* object);
   void TakeOutOfReference(int id);
   void EnterNewestView();
@@ -112,7 +92,6 @@ class SceneUnderstanding {
   std::vector<Eigen::Vector3d> plane_points_W_;
   std::vector<perception::View> views_;  // as recognition looks at belief_.views
   world::SceneBelief belief_;
-  geometry::DepthRasteriser rasteriser_;
 };
 
 }  // namespace secondlook::apps
