@@ -61,7 +61,7 @@ MultiViewVerification::MultiViewVerification(
       space_(space) {}
 
 void MultiViewVerification::AddFresh(int view, const world::Detection& detection,
-                                            ObjectBelief* object) const {
+                                     ObjectBelief* object) const {
   const Pose& X_WC = belief_.views[view].X_WC;
   for (const world::Hypothesis& fresh : detection.hypotheses) {
     const perception::RecognitionModel& model = ModelOf(fresh.model);
@@ -84,7 +84,7 @@ void MultiViewVerification::AddFresh(int view, const world::Detection& detection
 
 /// The pose of `model`, believed to stand at `X_WM`, as the view of `sighting` refines it.
 Pose MultiViewVerification::RefinedIn(const world::Sighting& sighting,
-                                   const perception::RecognitionModel& model, const Pose& X_WM) {
+                                      const perception::RecognitionModel& model, const Pose& X_WM) {
   const perception::View& view = views_[sighting.view];
   const Pose X_CM = belief_.views[sighting.view].X_WC.inverse() * X_WM;
   Pose refined =
@@ -100,8 +100,8 @@ Pose MultiViewVerification::RefinedIn(const world::Sighting& sighting,
 
 /// What the view of `sighting` says of `model` at X_CM.
 world::ViewEvidence MultiViewVerification::Ask(const world::Sighting& sighting,
-                                            const perception::RecognitionModel& model,
-                                            const Pose& X_CM) {
+                                               const perception::RecognitionModel& model,
+                                               const Pose& X_CM) {
   const perception::View& view = views_[sighting.view];
   const world::Cluster& cluster =
       belief_.views[sighting.view].detections[sighting.detection].cluster;
@@ -115,7 +115,7 @@ world::ViewEvidence MultiViewVerification::Ask(const world::Sighting& sighting,
 
 /// `best` with its model turned by X_MS, as the views that `best` rests on see it.
 PoseHypothesis MultiViewVerification::Turned(const ObjectBelief& object, const PoseHypothesis& best,
-                                          const Pose& X_MS) {
+                                             const Pose& X_MS) {
   const perception::RecognitionModel& model = ModelOf(best.model);
   PoseHypothesis turned;
   turned.model = best.model;
@@ -129,7 +129,7 @@ PoseHypothesis MultiViewVerification::Turned(const ObjectBelief& object, const P
 /// `best` refined in all its views together, colour included; empty when that fits worse or is
 /// another pose.
 std::optional<PoseHypothesis> MultiViewVerification::RefinedTogether(const ObjectBelief& object,
-                                                                  const PoseHypothesis& best) {
+                                                                     const PoseHypothesis& best) {
   std::vector<perception::PlacedModel> placed;
   for (const world::ViewEvidence& e : best.evidence) {
     placed.push_back({&views_[e.view], SightingIn(object, e.view).detection, e.hypothesis.X_CM});
@@ -153,8 +153,8 @@ std::optional<PoseHypothesis> MultiViewVerification::RefinedTogether(const Objec
 /// highest: the top of the parabola through the three leads, at most half way. Empty when it is
 /// there already, or that is no better.
 std::optional<PoseHypothesis> MultiViewVerification::Recentred(const ObjectBelief& object,
-                                                            const PoseHypothesis& best,
-                                                            const Pose& X_MS) {
+                                                               const PoseHypothesis& best,
+                                                               const Pose& X_MS) {
   const double angle = RotationDistance(Eigen::Matrix3d::Identity(), X_MS.linear());
   if (angle > 1.01 * kRivalTurn_rad) return std::nullopt;
   const auto lead = [&](const PoseHypothesis& other) {

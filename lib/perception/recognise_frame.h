@@ -20,7 +20,7 @@ struct FrameRecognition {
 };
 
 /// Recognises the things in one frame: cuts it into plane and clusters (Segment()), recognises each
-/// cluster (Recognise()) and chooses (ChooseTogether()).
+/// cluster and chooses, joins and cuts clusters where recognition says so (RecogniseRegrouping()).
 /// @param color CV_8UC3, RGB, registered to `depth`; may be empty.
 /// @param depth CV_32FC1, z_C [m], NaN = none.
 /// @throws InvalidArgument as MakeView() and Segment() do.
