@@ -8,7 +8,9 @@
 
 #include "lib/fusion/match.h"
 #include "lib/geometry/point_image.h"
+#include "lib/perception/choose_together.h"
 #include "lib/perception/explain.h"
+#include "lib/perception/regroup.h"
 #include "lib/perception/seen_through.h"
 
 namespace secondlook::apps {
@@ -27,6 +29,8 @@ constexpr double kPointSpacing_m = 0.005;
 /// A thing is gone when of at least so many points seen of it, a view sees through this share.
 constexpr int kGonePoints = 40;
 constexpr double kGoneShare = 0.5;
+/// Of two things that touch, as they were measured, no more of one stands in the other.
+constexpr double kMostInside = 0.2;
 
 std::vector<Vector3d> InWorld(const Pose& X_WC, const std::vector<Vector3d>& points_C) {
   std::vector<Vector3d> points_W;
@@ -108,9 +112,12 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
   const int view = static_cast<int>(belief_.views.size());
   for (const int id : gone) Unlearn(view, &belief_.objects[id]);
   Matched matched = MatchClusters(std::move(cut.clusters), frame.depth, capture.camera, X_WC);
+  std::vector<world::Detection> detections =
+      Recognise(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C, {}),
+                X_WC, &matched);
   views_.push_back(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C,
                                         matched.clusters));
-  belief_.views.push_back({frame, capture.camera, X_WC, *cut.plane_C, Recognise(matched)});
+  belief_.views.push_back({frame, capture.camera, X_WC, *cut.plane_C, std::move(detections)});
   GrowPlane(cut.plane_points_C, *cut.plane_C, X_WC);
   reference_.AddView(points_C, X_WC, registration.covariance);
   EnterNewestView();
@@ -272,7 +279,20 @@ SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world:
     for (const int d : match.detections) pixels = UnionOfPixels(pixels, clusters[d].pixels);
     std::vector<int> ids;
     for (const int o : match.objects) ids.push_back(open[o]);
-    matched.clusters.push_back(perception::MakeCluster(std::move(pixels), depth, camera));
+    std::vector<world::Cluster> left{perception::MakeCluster(std::move(pixels), depth, camera)};
+    // What was told apart before takes its own share of what touches.
+    for (const int id : ToldApart(ids)) {
+      const PoseHypothesis& best = *belief_.objects[id].Best();
+      world::Cluster share =
+          perception::TakeExplained(ModelOf(best.model).mesh, X_WC.inverse() * best.X_WM, depth,
+                                    camera, config_.min_leftover_points, &left);
+      std::erase(ids, id);
+      if (static_cast<int>(share.pixels.size()) < config_.segment.min_cluster_points) continue;
+      matched.clusters.push_back(std::move(share));
+      matched.objects.push_back(id);
+    }
+    if (left.empty()) continue;
+    matched.clusters.push_back(std::move(left.front()));
     matched.objects.push_back(MergedObject(ids));
   }
   matched.open = static_cast<int>(matched.clusters.size());
@@ -281,16 +301,131 @@ SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world:
   return matched;
 }
 
-/// The detections of the newest view: what is verified is not recognised anew, only asked whether
-/// it still holds (MultiViewVerification::Complete()).
-std::vector<world::Detection> SceneUnderstanding::Recognise(const Matched& matched) const {
-  const auto first_explained = matched.clusters.begin() + matched.open;
-  std::vector<world::Detection> detections = perception::Recognise(
-      views_.back(), {matched.clusters.begin(), first_explained}, models_, config_.recognise);
-  for (auto cluster = first_explained; cluster != matched.clusters.end(); ++cluster) {
-    detections.push_back({*cluster, {}, ""});
+/// Those of `ids` that some view accepted as a thing of its own, when there are several and none
+/// stands in another: one cluster shows them all, but they are not one thing.
+std::vector<int> SceneUnderstanding::ToldApart(const std::vector<int>& ids) const {
+  std::vector<int> apart;
+  for (const int id : ids) {
+    const PoseHypothesis* best = belief_.objects[id].Best();
+    if (best != nullptr && best->BestView()->hypothesis.verification.accepted) apart.push_back(id);
   }
-  return detections;
+  for (const int a : apart) {
+    for (const int b : apart) {
+      if (a == b) continue;
+      const PoseHypothesis& one = *belief_.objects[a].Best();
+      const PoseHypothesis& other = *belief_.objects[b].Best();
+      if (perception::ShareInside(ModelOf(one.model), one.X_WM, ModelOf(other.model), other.X_WM) >
+          kMostInside) {
+        return {};
+      }
+    }
+  }
+  return apart.size() < 2 ? std::vector<int>{} : apart;
+}
+
+/// The detections of the newest view, taken from X_WC: recognition may cut or join what is open,
+/// and with it the objects. What is verified is not recognised anew, only asked whether it still
+/// holds (MultiViewVerification::Complete()).
+std::vector<world::Detection> SceneUnderstanding::Recognise(const perception::View& view,
+                                                            const Pose& X_WC, Matched* matched) {
+  const auto first_explained = matched->clusters.begin() + matched->open;
+  const std::vector<world::Cluster> open(matched->clusters.begin(), first_explained);
+  perception::Regrouped found = perception::RecogniseRegrouping(
+      perception::MakeView(view.color, view.depth, view.camera, view.plane_C, open), open, models_,
+      config_.recognise);
+  std::vector<int> objects(found.detections.size(), -1);
+  for (std::size_t i = 0; i < found.detections.size(); ++i) {
+    if (objects[i] >= 0) continue;
+    std::vector<int> ids;
+    for (const int source : found.sources[i]) ids.push_back(matched->objects[source]);
+    objects[i] = MergedObject(ids);
+    std::vector<std::size_t> parts;
+    std::vector<PoseHypothesis> things;
+    for (std::size_t k = i; k < found.detections.size(); ++k) {
+      if (found.sources[k] != found.sources[i] || found.choices[k].hypothesis < 0) continue;
+      const world::Hypothesis& h = found.detections[k].hypotheses[found.choices[k].hypothesis];
+      parts.push_back(k);
+      things.emplace_back();
+      things.back().model = h.model;
+      things.back().X_WM = X_WC * h.X_CM;
+    }
+    if (parts.size() < 2) continue;
+    const std::vector<int> told_apart = SplitObject(objects[i], things);
+    for (std::size_t k = 0; k < parts.size(); ++k) objects[parts[k]] = told_apart[k];
+  }
+  for (int i = matched->open; i < static_cast<int>(matched->clusters.size()); ++i) {
+    found.detections.push_back({matched->clusters[i], {}, ""});
+    objects.push_back(matched->objects[i]);
+  }
+  matched->objects = std::move(objects);
+  matched->clusters.clear();
+  for (const world::Detection& detection : found.detections) {
+    matched->clusters.push_back(detection.cluster);
+  }
+  return std::move(found.detections);
+}
+
+/// The objects that each of `things` is, which a view told apart where object `id` is. When the
+/// views before show several of them, they were one object by mistake: each gets what it explains
+/// of the clusters there, and what was said of the whole is void.
+std::vector<int> SceneUnderstanding::SplitObject(int id,
+                                                 const std::vector<PoseHypothesis>& things) {
+  struct Share {
+    int view;
+    world::Cluster cluster;
+  };
+  std::vector<std::vector<Share>> shares(things.size());
+  const std::vector<world::Sighting> sightings = belief_.objects[id].sightings;
+  for (const world::Sighting& sighting : sightings) {
+    const world::Observation& seen = belief_.views[sighting.view];
+    std::vector<world::Cluster> left{seen.detections[sighting.detection].cluster};
+    for (std::size_t k = 0; k < things.size(); ++k) {
+      world::Cluster share = perception::TakeExplained(ModelOf(things[k].model).mesh,
+                                                       seen.X_WC.inverse() * things[k].X_WM,
+                                                       seen.frame.depth, seen.camera, 0, &left);
+      if (static_cast<int>(share.pixels.size()) < config_.segment.min_cluster_points) continue;
+      shares[k].push_back({sighting.view, std::move(share)});
+    }
+  }
+  // The one that was seen most stays the object.
+  const auto pixels = [](const std::vector<Share>& of_one) {
+    std::size_t sum = 0;
+    for (const Share& share : of_one) sum += share.cluster.pixels.size();
+    return sum;
+  };
+  const auto most =
+      std::max_element(shares.begin(), shares.end(),
+                       [&](const auto& a, const auto& b) { return pixels(a) < pixels(b); });
+  const auto seen_before = std::count_if(shares.begin(), shares.end(),
+                                         [](const auto& of_one) { return !of_one.empty(); });
+  std::vector<int> ids;
+  for (auto share = shares.begin(); share != shares.end(); ++share) {
+    ids.push_back(share == most ? id : MergedObject({}));
+  }
+  if (seen_before < 2) return ids;
+  TakeOutOfReference(id);
+  ObjectBelief whole;
+  whole.id = id;
+  whole.looks_taken = belief_.objects[id].looks_taken;
+  belief_.objects[id] = std::move(whole);
+  for (std::size_t k = 0; k < things.size(); ++k) {
+    for (Share& share : shares[k]) {
+      AddDetection(share.view, std::move(share.cluster), &belief_.objects[ids[k]]);
+    }
+  }
+  return ids;
+}
+
+/// Adds to a view before what of it shows `object` alone.
+void SceneUnderstanding::AddDetection(int view, world::Cluster cluster, ObjectBelief* object) {
+  std::vector<world::Detection>& detections = belief_.views[view].detections;
+  const auto detection = static_cast<int>(detections.size());
+  cv::Mat& labels = views_[view].labels;
+  for (const int pixel : cluster.pixels) {
+    labels.at<int>(pixel / labels.cols, pixel % labels.cols) = detection;
+  }
+  detections.push_back({std::move(cluster), {}, ""});
+  AddSighting(view, detection, object);
 }
 
 /// The object that all of `ids` are; a new one when there are none.

@@ -72,7 +72,11 @@ class SceneUnderstanding {
   Matched MatchClusters(std::vector<world::Cluster> clusters, const cv::Mat& depth,
                         const hal::CameraModel& camera, const Pose& X_WC);
   void MergeDuplicates();
-  std::vector<world::Detection> Recognise(const Matched& matched) const;
+  std::vector<int> ToldApart(const std::vector<int>& ids) const;
+  std::vector<world::Detection> Recognise(const perception::View& view, const Pose& X_WC,
+                                          Matched* matched);
+  std::vector<int> SplitObject(int id, const std::vector<world::PoseHypothesis>& things);
+  void AddDetection(int view, world::Cluster cluster, world::ObjectBelief* object);
   int MergedObject(const std::vector<int>& ids);
   void AddSighting(int view, int detection, world::ObjectBelief* object);
   MultiViewVerification Verification() const;

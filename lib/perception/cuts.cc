@@ -14,16 +14,16 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLeastShare = 1.0 / 6.0;
-constexpr double kNearlySquare = 1.3;  // longer to other side: it may be cut across either
-constexpr double kLongRow = 2.0;       // longer to other side: it may be three in a row
-constexpr double kStep = 0.005;        // between the places of a cut that are looked at [m]
-constexpr double kSide = 0.01;         // how far from a cut its sides are looked at [m]…
-constexpr double kEdge = 0.002;        // …but for pixels that mix both [m]…
-constexpr double kCell = 0.01;         // …in cells of so much along it [m]
-constexpr int kLeastCellPixels = 5;    // on either side
-constexpr int kLeastCells = 4;         // along a cut
+constexpr double kNearlySquare = 1.3;    // longer to other side: it may be cut across either
+constexpr double kLongRow = 2.0;         // longer to other side: it may be three in a row
+constexpr double kStep = 0.005;          // between the places of a cut that are looked at [m]
+constexpr double kSide = 0.01;           // how far from a cut its sides are looked at [m]…
+constexpr double kEdge = 0.002;          // …but for pixels that mix both [m]…
+constexpr double kCell = 0.01;           // …in cells of so much along it [m]
+constexpr int kLeastCellPixels = 5;      // on either side
+constexpr int kLeastCells = 4;           // along a cut
 constexpr double kLeastContrast = 40.0;  // between the colours on either side, of 255
-constexpr double kMostAlong = 0.85;    // of a cut's cells have that contrast
+constexpr double kMostAlong = 0.85;      // of a cut's cells have that contrast
 
 /// Two axes of the plane, along the longer and the other side of the smallest rectangle around what
 /// stands on it.
@@ -79,9 +79,8 @@ Contrast ContrastAt(const world::Cluster& cluster, const View& view,
   for (const auto& [cell, sides] : cells) {
     if (std::min(sides[0].count, sides[1].count) < kLeastCellPixels) continue;
     ++compared;
-    const double difference = (sides[0].sum / sides[0].count - sides[1].sum / sides[1].count)
-                                  .cwiseAbs()
-                                  .maxCoeff();
+    const double difference =
+        (sides[0].sum / sides[0].count - sides[1].sum / sides[1].count).cwiseAbs().maxCoeff();
     contrast.mean += difference;
     if (difference > kLeastContrast) contrast.share += 1.0;
   }
@@ -148,7 +147,8 @@ std::vector<Cut> CutsByColor(const world::Cluster& cluster, const View& view) {
   const auto [longer, other] = SidesOf(cluster.points_C, up);
   std::vector<Cut> cuts;
   for (const std::array<Vector3d, 3>& axes :
-       {std::array{longer, other, up}, std::array{other, longer, up}, std::array{up, longer, other}}) {
+       {std::array{longer, other, up}, std::array{other, longer, up},
+        std::array{up, longer, other}}) {
     const auto [low, high] = EndsAlong(cluster, axes[0]);
     double strongest = 0.0;
     double best = 0.0;

@@ -12,11 +12,11 @@ namespace secondlook::perception {
 /// A cluster's pixels in two: row-major indices, ascending, neither empty.
 using Cut = std::array<std::vector<int>, 2>;
 
-/// Where `cluster`, should it be two things or three in a row that geometry does not tell apart, may
-/// be cut: half way along the longest of its three sides, on the support plane or up from it; across
-/// either where it is nearly square on the plane, and a third from one end where it is long. Only
-/// coarse: the cut needs to leave each thing most of its part. No part has less than a sixth of the
-/// pixels.
+/// Where `cluster`, should it be two things or three in a row that geometry does not tell apart,
+/// may be cut: half way along the longest of its three sides, on the support plane or up from it;
+/// across either where it is nearly square on the plane, and a third from one end where it is long.
+/// Only coarse: the cut needs to leave each thing most of its part. No part has less than a sixth
+/// of the pixels.
 std::vector<Cut> CutsByShape(const world::Cluster& cluster, const world::SupportPlane& plane_C);
 
 /// Where a straight edge of colour crosses the whole of `cluster`, as it does between two things

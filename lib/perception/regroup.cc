@@ -21,23 +21,25 @@ using world::Cluster;
 using world::Detection;
 using world::Hypothesis;
 
-constexpr std::size_t kStride = 7;   // of the points between which a distance is looked for
-constexpr float kInFront = 0.01F;    // of what hides something behind it [m]
-constexpr int kMostThings = 4;       // in one cluster
-constexpr int kLeastPixels = 600;    // of a thing that is cut off
-constexpr int kRim = 7;           // what is narrower is the rim of something [px]
-constexpr double kTouching = 0.03;   // neighbours [m], as far as the rim between them hides
-constexpr double kAcross = 0.12;     // neighbours behind one thing in front [m]
-constexpr double kMostOfIt = 0.8;    // of a cluster that is a part of the thing beside it
+constexpr std::size_t kStride = 7;  // of the points between which a distance is looked for
+constexpr float kInFront = 0.01F;   // of what hides something behind it [m]
+constexpr int kMostThings = 4;      // in one cluster
+constexpr int kLeastPixels = 600;   // of a thing that is cut off
+constexpr int kRim = 7;             // what is narrower is the rim of something [px]
+constexpr double kTouching = 0.03;  // neighbours [m], as far as the rim between them hides
+constexpr double kAcross = 0.12;    // neighbours behind one thing in front [m]
+constexpr double kMostOfIt = 0.8;   // of a cluster that is a part of the thing beside it
 /// Guesses below this share of the quality that a hypothesis needs are not looked into.
 constexpr double kWorth = 0.75;
 
-/// The pieces of `pixels` of at least kLeastPixels; narrow strips, as rims leave them, are none.
+/// The pieces of `pixels` of at least kLeastPixels; narrow strips, as rims leave them, are none,
+/// and folds, where depth cameras see nothing, part none.
 std::vector<Cluster> Pieces(const std::vector<int>& pixels, const View& view) {
   const int width = view.camera.width;
   cv::Mat mask(view.depth.size(), CV_8UC1, cv::Scalar(0));
   for (const int pixel : pixels) mask.at<uchar>(pixel / width, pixel % width) = 1;
   cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::Mat::ones(kRim, kRim, CV_8UC1));
+  cv::dilate(mask, mask, cv::Mat::ones(2 * kRim + 1, 2 * kRim + 1, CV_8UC1));
   cv::Mat piece_of;
   const int count = cv::connectedComponents(mask, piece_of, 8, CV_32S);
   std::vector<std::vector<int>> pieces(static_cast<std::size_t>(count));
@@ -100,9 +102,7 @@ class Regrouping {
   }
 
  private:
-  void Choose() {
-    result_.choices = ChooseTogether(result_.detections, models_, config_);
-  }
+  void Choose() { result_.choices = ChooseTogether(result_.detections, models_, config_); }
 
   const Hypothesis* Chosen(std::size_t i) const {
     const int h = result_.choices[i].hypothesis;
@@ -131,8 +131,7 @@ class Regrouping {
 
   /// The things that `parts` are: empty where that is not beyond doubt.
   std::vector<std::optional<Thing>> Things(const std::vector<Cluster>& parts) const {
-    std::vector<Detection> detections =
-        Recognise(ViewOf(parts), parts, models_, config_);
+    std::vector<Detection> detections = Recognise(ViewOf(parts), parts, models_, config_);
     const std::vector<Choice> choices = ChooseTogether(detections, models_, config_);
     std::vector<std::optional<Thing>> things(parts.size());
     for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -150,8 +149,8 @@ class Regrouping {
       const int part = k / static_cast<int>(models_.size());
       const auto m = static_cast<std::size_t>(k) % models_.size();
       const Cluster& cluster = parts[static_cast<std::size_t>(part)];
-      const std::vector<PoseGuess> guesses = HypothesisePoses(
-          models_[m], view, part, cluster, OrientCluster(view, part, cluster), 1);
+      const std::vector<PoseGuess> guesses =
+          HypothesisePoses(models_[m], view, part, cluster, OrientCluster(view, part, cluster), 1);
       worth[static_cast<std::size_t>(k)] =
           !guesses.empty() && guesses.front().quality >= kWorth * config_.verify.min_quality;
     });
@@ -168,8 +167,7 @@ class Regrouping {
 
   /// Cuts the detection `i` up when all its parts are recognised.
   void CutUp(std::size_t i) {
-    const std::vector<Cluster> parts =
-        Decompose(result_.detections[i].cluster, kMostThings);
+    const std::vector<Cluster> parts = Decompose(result_.detections[i].cluster, kMostThings);
     if (parts.empty()) return;
     std::vector<std::optional<Thing>> things = Things(parts);
     if (std::any_of(things.begin(), things.end(), [](const auto& thing) { return !thing; })) return;
@@ -239,8 +237,7 @@ class Regrouping {
         const Cluster& a = result_.detections[i].cluster;
         const Cluster& b = result_.detections[j].cluster;
         if (!AreNeighbours(a, b)) continue;
-        const Cluster both =
-            MakeCluster(Union(a.pixels, b.pixels), given_.depth, given_.camera);
+        const Cluster both = MakeCluster(Union(a.pixels, b.pixels), given_.depth, given_.camera);
         if (!WorthTrying({both})) continue;
         std::optional<Thing> whole = Things({both})[0];
         if (!whole || Explained(a, whole->hypothesis()).size() < LeastExplained(a) ||

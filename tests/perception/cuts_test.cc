@@ -21,9 +21,8 @@ struct Row {
   Row(const std::vector<double>& widths, const std::vector<Eigen::Vector3f>& colors) {
     std::vector<world::ObjectModel> boxes;
     for (std::size_t i = 0; i < widths.size(); ++i) {
-      boxes.push_back(
-          MakeBoxModel(std::string(1, static_cast<char>('a' + i)), {widths[i], 0.07, 0.1},
-                       colors[i], colors[i]));
+      boxes.push_back(MakeBoxModel(std::string(1, static_cast<char>('a' + i)),
+                                   {widths[i], 0.07, 0.1}, colors[i], colors[i]));
     }
     const std::vector<RecognitionModel> models = TrainModels(world::ObjectDatabase(boxes));
     std::vector<Placed> things;

@@ -55,8 +55,9 @@ class RecognisingRegrouped : public ::testing::Test {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < found.detections.size(); ++i) {
       const int chosen = found.choices[i].hypothesis;
-      names.push_back(chosen < 0 ? "open"
-                                 : found.detections[i].hypotheses[static_cast<std::size_t>(chosen)].model);
+      names.push_back(chosen < 0
+                          ? "open"
+                          : found.detections[i].hypotheses[static_cast<std::size_t>(chosen)].model);
     }
     return names;
   }
@@ -102,14 +103,14 @@ TEST_F(RecognisingRegrouped, JoinsThePiecesOfOneThing) {
   SyntheticView scene = DrawView({{&Model("green"), Upright(0.0, 0.0, 0.4)}}, -1.2, true, &rng);
   // Cut where its picture is halved: neither half shows how wide it is.
   std::array<std::vector<int>, 2> halves;
-  const int middle = static_cast<int>(
-      std::lround(scene.view.camera.Project(scene.clusters[0].center_C)->x()));
+  const int middle =
+      static_cast<int>(std::lround(scene.view.camera.Project(scene.clusters[0].center_C)->x()));
   for (const int pixel : scene.clusters[0].pixels) halves[pixel % 640 < middle].push_back(pixel);
   const std::vector<world::Cluster> clusters{
       MakeCluster(halves[0], scene.view.depth, scene.view.camera),
       MakeCluster(halves[1], scene.view.depth, scene.view.camera)};
-  const View view = MakeView(scene.view.color, scene.view.depth, scene.view.camera,
-                             scene.view.plane_C, clusters);
+  const View view =
+      MakeView(scene.view.color, scene.view.depth, scene.view.camera, scene.view.plane_C, clusters);
   const Regrouped found = RecogniseRegrouping(view, clusters, Models(), {});
   EXPECT_THAT(Names(found), ElementsAre("green"));
   EXPECT_THAT(found.sources, ElementsAre(ElementsAre(0, 1)));
