@@ -29,6 +29,9 @@ constexpr double kPointSpacing_m = 0.005;
 /// A thing is gone when of at least so many points seen of it, a view sees through this share.
 constexpr int kGonePoints = 40;
 constexpr double kGoneShare = 0.5;
+/// Planes that differ less in height, and reach so near to one another, are one.
+constexpr double kSameLevel_m = 0.03;
+constexpr double kPlaneReach_m = 0.1;
 /// Of two things that touch, as they were measured, no more of one stands in the other.
 constexpr double kMostInside = 0.2;
 
@@ -100,6 +103,7 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
   const double max_drop = capture.X_WC.translation().z() - config_.floor_clearance_m;
   perception::Segmentation cut = perception::Segment(cloud, up_C, config_.segment, max_drop);
   if (!cut.plane_C) return cut.reason;
+  if (belief_.plane_W) perception::PutFirst(*belief_.plane_W, capture.X_WC, &cut);
 
   const std::vector<perception::SurfacePoint> points_C =
       perception::ViewPoints(frame.depth, capture.camera, *cut.plane_C, config_.registration);
@@ -113,12 +117,14 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
   for (const int id : gone) Unlearn(view, &belief_.objects[id]);
   Matched matched = MatchClusters(std::move(cut.clusters), frame.depth, capture.camera, X_WC);
   std::vector<world::Detection> detections =
-      Recognise(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C, {}),
+      Recognise(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C, {},
+                                     cut.FurtherPlanes()),
                 X_WC, &matched);
   views_.push_back(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C,
-                                        matched.clusters));
+                                        matched.clusters, cut.FurtherPlanes()));
   belief_.views.push_back({frame, capture.camera, X_WC, *cut.plane_C, std::move(detections)});
   GrowPlane(cut.plane_points_C, *cut.plane_C, X_WC);
+  GrowFurther(cut.further, X_WC);
   reference_.AddView(points_C, X_WC, registration.covariance);
   EnterNewestView();
   for (int i = 0; i < static_cast<int>(matched.objects.size()); ++i) {
@@ -240,6 +246,30 @@ void SceneUnderstanding::GrowPlane(const std::vector<Vector3d>& plane_points_C,
   belief_.plane_W->inliers = static_cast<int>(plane_points_W_.size());
 }
 
+/// Enters the other planes that a view shows: each grows the one that it continues, or is new.
+void SceneUnderstanding::GrowFurther(const std::vector<perception::FurtherSupport>& further,
+                                     const Pose& X_WC) {
+  for (const perception::FurtherSupport& seen : further) {
+    const world::SupportPlane seen_W = world::Transform(X_WC, seen.plane_C);
+    const Vector3d middle_W = (seen_W.corners_A[0] + seen_W.corners_A[2]) / 2.0;
+    const auto continues = [&](const world::SupportPlane& known) {
+      return std::abs(known.HeightOf(middle_W)) < kSameLevel_m &&
+             known.Covers(middle_W, kPlaneReach_m);
+    };
+    const auto known = std::find_if(belief_.further_W.begin(), belief_.further_W.end(), continues);
+    const auto k = static_cast<std::size_t>(known - belief_.further_W.begin());
+    if (known == belief_.further_W.end()) {
+      belief_.further_W.push_back(seen_W);
+      further_points_W_.emplace_back();
+    }
+    world::SupportPlane& plane_W = belief_.further_W[k];
+    std::vector<Vector3d>& points_W = further_points_W_[k];
+    points_W = Thinned(std::move(points_W), InWorld(X_WC, seen.points_C), 0.02);
+    plane_W.corners_A = perception::FitRectangle(points_W, plane_W.normal_A, plane_W.offset);
+    plane_W.inliers = static_cast<int>(points_W.size());
+  }
+}
+
 SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world::Cluster> clusters,
                                                               const cv::Mat& depth,
                                                               const hal::CameraModel& camera,
@@ -331,8 +361,8 @@ std::vector<world::Detection> SceneUnderstanding::Recognise(const perception::Vi
   const auto first_explained = matched->clusters.begin() + matched->open;
   const std::vector<world::Cluster> open(matched->clusters.begin(), first_explained);
   perception::Regrouped found = perception::RecogniseRegrouping(
-      perception::MakeView(view.color, view.depth, view.camera, view.plane_C, open), open, models_,
-      config_.recognise);
+      perception::MakeView(view.color, view.depth, view.camera, view.plane_C, open, view.further_C),
+      open, models_, config_.recognise);
   std::vector<int> objects(found.detections.size(), -1);
   for (std::size_t i = 0; i < found.detections.size(); ++i) {
     if (objects[i] >= 0) continue;

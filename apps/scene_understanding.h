@@ -69,6 +69,7 @@ class SceneUnderstanding {
                             const std::vector<int>& gone) const;
   void GrowPlane(const std::vector<Eigen::Vector3d>& plane_points_C,
                  const world::SupportPlane& plane_C, const Pose& X_WC);
+  void GrowFurther(const std::vector<perception::FurtherSupport>& further, const Pose& X_WC);
   Matched MatchClusters(std::vector<world::Cluster> clusters, const cv::Mat& depth,
                         const hal::CameraModel& camera, const Pose& X_WC);
   void MergeDuplicates();
@@ -94,6 +95,7 @@ class SceneUnderstanding {
   std::map<int, Eigen::AlignedBox3d> modelled_W_;  // what stands in it as whole models, by object
   std::vector<Unlearned> unlearned_;               // in the order of the views
   std::vector<Eigen::Vector3d> plane_points_W_;
+  std::vector<std::vector<Eigen::Vector3d>> further_points_W_;  // by plane of belief_.further_W
   std::vector<perception::View> views_;  // as recognition looks at belief_.views
   world::SceneBelief belief_;
 };

@@ -15,7 +15,9 @@ FrameRecognition RecogniseFrame(const cv::Mat& color, const cv::Mat& depth,
   found.plane_C = segmentation.plane_C;
   found.reason = segmentation.reason;
   if (!found.plane_C) return found;
-  const View view = MakeView(color, depth, camera, *found.plane_C, segmentation.clusters);
+  found.further_C = segmentation.FurtherPlanes();
+  const View view =
+      MakeView(color, depth, camera, *found.plane_C, segmentation.clusters, found.further_C);
   Regrouped things = RecogniseRegrouping(view, segmentation.clusters, models, config);
   found.detections = std::move(things.detections);
   found.choices = std::move(things.choices);

@@ -14,6 +14,7 @@ namespace secondlook::perception {
 /// What one frame shows, nothing told beforehand.
 struct FrameRecognition {
   std::optional<world::SupportPlane> plane_C;  ///< Empty: no plane was found, and nothing else.
+  std::vector<world::SupportPlane> further_C;  ///< Others that things may stand on.
   std::vector<world::Detection> detections;
   std::vector<Choice> choices;  ///< One for each detection.
   std::string reason;           ///< Why there is no plane, or no detection; else empty.

@@ -126,7 +126,8 @@ class Regrouping {
 
   /// The view as one of `parts`: to each, all else is what stands in front or behind.
   View ViewOf(const std::vector<Cluster>& parts) const {
-    return MakeView(given_.color, given_.depth, given_.camera, given_.plane_C, parts);
+    return MakeView(given_.color, given_.depth, given_.camera, given_.plane_C, parts,
+                    given_.further_C);
   }
 
   /// The things that `parts` are: empty where that is not beyond doubt.
@@ -222,7 +223,8 @@ class Regrouping {
 
   std::vector<Cut> AllCuts(const Cluster& cluster) const {
     std::vector<Cut> cuts = CutsByColor(cluster, given_);
-    for (Cut& cut : CutsByShape(cluster, given_.plane_C)) cuts.push_back(std::move(cut));
+    for (Cut& cut : CutsByShape(cluster, given_.PlaneUnder(cluster.center_C)))
+      cuts.push_back(std::move(cut));
     std::erase_if(cuts, [](const Cut& cut) {
       return static_cast<int>(std::min(cut[0].size(), cut[1].size())) < kLeastPixels;
     });
