@@ -31,4 +31,18 @@ nlohmann::ordered_json MatrixToJson(const Pose& X_AB) {
   return rows;
 }
 
+nlohmann::ordered_json PlanesToJson(const std::vector<world::SupportPlane>& planes_A) {
+  const auto vector = [](const Eigen::Vector3d& v) {
+    return nlohmann::ordered_json{v.x(), v.y(), v.z()};
+  };
+  nlohmann::ordered_json planes = nlohmann::ordered_json::array();
+  for (const world::SupportPlane& plane_A : planes_A) {
+    nlohmann::ordered_json corners = nlohmann::ordered_json::array();
+    for (const Eigen::Vector3d& corner : plane_A.corners_A) corners.push_back(vector(corner));
+    planes.push_back(
+        {{"normal", vector(plane_A.normal_A)}, {"offset", plane_A.offset}, {"corners", corners}});
+  }
+  return planes;
+}
+
 }  // namespace secondlook::apps

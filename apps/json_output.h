@@ -1,10 +1,12 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "lib/common/pose.h"
+#include "lib/world/support_plane.h"
 
 namespace secondlook::apps {
 
@@ -14,5 +16,8 @@ void WriteJson(const nlohmann::ordered_json& json, const std::string& target);
 
 /// A pose as four rows of four numbers.
 nlohmann::ordered_json MatrixToJson(const Pose& X_AB);
+
+/// Support planes as `{"normal": [x, y, z], "offset": number, "corners": 4 x [x, y, z]}`.
+nlohmann::ordered_json PlanesToJson(const std::vector<world::SupportPlane>& planes_A);
 
 }  // namespace secondlook::apps

@@ -7,14 +7,11 @@
 #include <utility>
 
 #include "lib/fusion/match.h"
-#include "lib/fusion/pose_fusion.h"
 #include "lib/geometry/point_image.h"
+#include "lib/perception/choose_together.h"
 #include "lib/perception/explain.h"
-#include "lib/perception/refine.h"
-#include "lib/perception/rival_turns.h"
+#include "lib/perception/regroup.h"
 #include "lib/perception/seen_through.h"
-#include "lib/perception/turn_by_color.h"
-#include "lib/perception/verify.h"
 
 namespace secondlook::apps {
 namespace {
@@ -24,34 +21,19 @@ using world::ObjectBelief;
 using world::ObjectState;
 using world::PoseHypothesis;
 
-/// Two hypotheses of one model nearer than this are one: the next view's refinement bridges it.
+/// Two objects of one model nearer than this are its two ends.
 constexpr double kSamePose_m = 0.03;
-constexpr double kSamePose_rad = 0.26;
-/// Two that come nearer than this are one for good.
-constexpr double kOnePose_m = 0.01;
-constexpr double kOnePose_rad = 0.087;
-/// Refinement that moves a carried hypothesis farther has found another pose.
-constexpr double kMaxRefinement_m = 0.03;
-constexpr double kMaxRefinement_rad = 0.17;
-constexpr int kRefineRounds = 4;
-/// A verified pose is told from poses turned by so much: a little more than it may be off.
-constexpr double kRivalTurn_rad = 0.12;
-constexpr int kMaxTurnRounds = 5;
-/// Nearer to the middle of two such turns, in shares of the turn, a pose is not moved.
-constexpr double kCentred = 0.05;
-/// How well views are registered to each other: what a single view's pose is worth in the map.
-constexpr double kViewSigma_m = 0.004;
-constexpr double kViewSigma_rad = 0.006;
 /// How well the surface of a verified model is known in the map.
 constexpr double kModelSigma_m = 0.003;
-/// Directions nearer than this show the same side of a thing.
-constexpr double kSameSide_rad = 0.5;
 constexpr double kPointSpacing_m = 0.005;
 /// A thing is gone when of at least so many points seen of it, a view sees through this share.
 constexpr int kGonePoints = 40;
 constexpr double kGoneShare = 0.5;
-/// So many points of a model are looked up in the map.
-constexpr std::size_t kMapPoints = 500;
+/// Planes that differ less in height, and reach so near to one another, are one.
+constexpr double kSameLevel_m = 0.03;
+constexpr double kPlaneReach_m = 0.1;
+/// Of two things that touch, as they were measured, no more of one stands in the other.
+constexpr double kMostInside = 0.2;
 
 std::vector<Vector3d> InWorld(const Pose& X_WC, const std::vector<Vector3d>& points_C) {
   std::vector<Vector3d> points_W;
@@ -93,12 +75,6 @@ Eigen::AlignedBox3d BoxOf(const perception::RecognitionModel& model, const Pose&
   return box_W;
 }
 
-/// The sighting of `object` in `view`. @pre there is one.
-const world::Sighting& SightingIn(const ObjectBelief& object, int view) {
-  return *std::find_if(object.sightings.begin(), object.sightings.end(),
-                       [&](const world::Sighting& s) { return s.view == view; });
-}
-
 }  // namespace
 
 SceneUnderstanding::SceneUnderstanding(const UnderstandingConfig& config, const world::Task& task,
@@ -127,6 +103,7 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
   const double max_drop = capture.X_WC.translation().z() - config_.floor_clearance_m;
   perception::Segmentation cut = perception::Segment(cloud, up_C, config_.segment, max_drop);
   if (!cut.plane_C) return cut.reason;
+  if (belief_.plane_W) perception::PutFirst(*belief_.plane_W, capture.X_WC, &cut);
 
   const std::vector<perception::SurfacePoint> points_C =
       perception::ViewPoints(frame.depth, capture.camera, *cut.plane_C, config_.registration);
@@ -139,17 +116,23 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
   const int view = static_cast<int>(belief_.views.size());
   for (const int id : gone) Unlearn(view, &belief_.objects[id]);
   Matched matched = MatchClusters(std::move(cut.clusters), frame.depth, capture.camera, X_WC);
+  std::vector<world::Detection> detections =
+      Recognise(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C, {},
+                                     cut.FurtherPlanes()),
+                X_WC, &matched);
   views_.push_back(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C,
-                                        matched.clusters));
-  belief_.views.push_back({frame, capture.camera, X_WC, *cut.plane_C, Recognise(matched)});
+                                        matched.clusters, cut.FurtherPlanes()));
+  belief_.views.push_back({frame, capture.camera, X_WC, *cut.plane_C, std::move(detections)});
   GrowPlane(cut.plane_points_C, *cut.plane_C, X_WC);
+  GrowFurther(cut.further, X_WC);
   reference_.AddView(points_C, X_WC, registration.covariance);
   EnterNewestView();
   for (int i = 0; i < static_cast<int>(matched.objects.size()); ++i) {
     ObjectBelief& object = belief_.objects[matched.objects[i]];
     AddSighting(view, i, &object);
-    AddFreshHypotheses(view, belief_.views.back().detections[i], &object);
-    CompleteEvidence(&object);
+    MultiViewVerification verification = Verification();
+    verification.AddFresh(view, belief_.views.back().detections[i], &object);
+    verification.Complete(&object);
     Conclude(&object);
   }
   MergeDuplicates();
@@ -174,7 +157,7 @@ void SceneUnderstanding::MergeDuplicates() {
       const double distance = (one.X_WM * model.center_M - other.X_WM * model.center_M).norm();
       if (distance > kSamePose_m) continue;
       MergedObject({a.id, b.id});
-      CompleteEvidence(&a);
+      Verification().Complete(&a);
       Conclude(&a);
     }
   }
@@ -263,6 +246,30 @@ void SceneUnderstanding::GrowPlane(const std::vector<Vector3d>& plane_points_C,
   belief_.plane_W->inliers = static_cast<int>(plane_points_W_.size());
 }
 
+/// Enters the other planes that a view shows: each grows the one that it continues, or is new.
+void SceneUnderstanding::GrowFurther(const std::vector<perception::FurtherSupport>& further,
+                                     const Pose& X_WC) {
+  for (const perception::FurtherSupport& seen : further) {
+    const world::SupportPlane seen_W = world::Transform(X_WC, seen.plane_C);
+    const Vector3d middle_W = (seen_W.corners_A[0] + seen_W.corners_A[2]) / 2.0;
+    const auto continues = [&](const world::SupportPlane& known) {
+      return std::abs(known.HeightOf(middle_W)) < kSameLevel_m &&
+             known.Covers(middle_W, kPlaneReach_m);
+    };
+    const auto known = std::find_if(belief_.further_W.begin(), belief_.further_W.end(), continues);
+    const auto k = static_cast<std::size_t>(known - belief_.further_W.begin());
+    if (known == belief_.further_W.end()) {
+      belief_.further_W.push_back(seen_W);
+      further_points_W_.emplace_back();
+    }
+    world::SupportPlane& plane_W = belief_.further_W[k];
+    std::vector<Vector3d>& points_W = further_points_W_[k];
+    points_W = Thinned(std::move(points_W), InWorld(X_WC, seen.points_C), 0.02);
+    plane_W.corners_A = perception::FitRectangle(points_W, plane_W.normal_A, plane_W.offset);
+    plane_W.inliers = static_cast<int>(points_W.size());
+  }
+}
+
 SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world::Cluster> clusters,
                                                               const cv::Mat& depth,
                                                               const hal::CameraModel& camera,
@@ -302,7 +309,20 @@ SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world:
     for (const int d : match.detections) pixels = UnionOfPixels(pixels, clusters[d].pixels);
     std::vector<int> ids;
     for (const int o : match.objects) ids.push_back(open[o]);
-    matched.clusters.push_back(perception::MakeCluster(std::move(pixels), depth, camera));
+    std::vector<world::Cluster> left{perception::MakeCluster(std::move(pixels), depth, camera)};
+    // What was told apart before takes its own share of what touches.
+    for (const int id : ToldApart(ids)) {
+      const PoseHypothesis& best = *belief_.objects[id].Best();
+      world::Cluster share =
+          perception::TakeExplained(ModelOf(best.model).mesh, X_WC.inverse() * best.X_WM, depth,
+                                    camera, config_.min_leftover_points, &left);
+      std::erase(ids, id);
+      if (static_cast<int>(share.pixels.size()) < config_.segment.min_cluster_points) continue;
+      matched.clusters.push_back(std::move(share));
+      matched.objects.push_back(id);
+    }
+    if (left.empty()) continue;
+    matched.clusters.push_back(std::move(left.front()));
     matched.objects.push_back(MergedObject(ids));
   }
   matched.open = static_cast<int>(matched.clusters.size());
@@ -311,16 +331,131 @@ SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world:
   return matched;
 }
 
-/// The detections of the newest view: what is verified is not recognised anew, only asked whether
-/// it still holds (CompleteEvidence).
-std::vector<world::Detection> SceneUnderstanding::Recognise(const Matched& matched) const {
-  const auto first_explained = matched.clusters.begin() + matched.open;
-  std::vector<world::Detection> detections = perception::Recognise(
-      views_.back(), {matched.clusters.begin(), first_explained}, models_, config_.recognise);
-  for (auto cluster = first_explained; cluster != matched.clusters.end(); ++cluster) {
-    detections.push_back({*cluster, {}, ""});
+/// Those of `ids` that some view accepted as a thing of its own, when there are several and none
+/// stands in another: one cluster shows them all, but they are not one thing.
+std::vector<int> SceneUnderstanding::ToldApart(const std::vector<int>& ids) const {
+  std::vector<int> apart;
+  for (const int id : ids) {
+    const PoseHypothesis* best = belief_.objects[id].Best();
+    if (best != nullptr && best->BestView()->hypothesis.verification.accepted) apart.push_back(id);
   }
-  return detections;
+  for (const int a : apart) {
+    for (const int b : apart) {
+      if (a == b) continue;
+      const PoseHypothesis& one = *belief_.objects[a].Best();
+      const PoseHypothesis& other = *belief_.objects[b].Best();
+      if (perception::ShareInside(ModelOf(one.model), one.X_WM, ModelOf(other.model), other.X_WM) >
+          kMostInside) {
+        return {};
+      }
+    }
+  }
+  return apart.size() < 2 ? std::vector<int>{} : apart;
+}
+
+/// The detections of the newest view, taken from X_WC: recognition may cut or join what is open,
+/// and with it the objects. What is verified is not recognised anew, only asked whether it still
+/// holds (MultiViewVerification::Complete()).
+std::vector<world::Detection> SceneUnderstanding::Recognise(const perception::View& view,
+                                                            const Pose& X_WC, Matched* matched) {
+  const auto first_explained = matched->clusters.begin() + matched->open;
+  const std::vector<world::Cluster> open(matched->clusters.begin(), first_explained);
+  perception::Regrouped found = perception::RecogniseRegrouping(
+      perception::MakeView(view.color, view.depth, view.camera, view.plane_C, open, view.further_C),
+      open, models_, config_.recognise);
+  std::vector<int> objects(found.detections.size(), -1);
+  for (std::size_t i = 0; i < found.detections.size(); ++i) {
+    if (objects[i] >= 0) continue;
+    std::vector<int> ids;
+    for (const int source : found.sources[i]) ids.push_back(matched->objects[source]);
+    objects[i] = MergedObject(ids);
+    std::vector<std::size_t> parts;
+    std::vector<PoseHypothesis> things;
+    for (std::size_t k = i; k < found.detections.size(); ++k) {
+      if (found.sources[k] != found.sources[i] || found.choices[k].hypothesis < 0) continue;
+      const world::Hypothesis& h = found.detections[k].hypotheses[found.choices[k].hypothesis];
+      parts.push_back(k);
+      things.emplace_back();
+      things.back().model = h.model;
+      things.back().X_WM = X_WC * h.X_CM;
+    }
+    if (parts.size() < 2) continue;
+    const std::vector<int> told_apart = SplitObject(objects[i], things);
+    for (std::size_t k = 0; k < parts.size(); ++k) objects[parts[k]] = told_apart[k];
+  }
+  for (int i = matched->open; i < static_cast<int>(matched->clusters.size()); ++i) {
+    found.detections.push_back({matched->clusters[i], {}, ""});
+    objects.push_back(matched->objects[i]);
+  }
+  matched->objects = std::move(objects);
+  matched->clusters.clear();
+  for (const world::Detection& detection : found.detections) {
+    matched->clusters.push_back(detection.cluster);
+  }
+  return std::move(found.detections);
+}
+
+/// The objects that each of `things` is, which a view told apart where object `id` is. When the
+/// views before show several of them, they were one object by mistake: each gets what it explains
+/// of the clusters there, and what was said of the whole is void.
+std::vector<int> SceneUnderstanding::SplitObject(int id,
+                                                 const std::vector<PoseHypothesis>& things) {
+  struct Share {
+    int view;
+    world::Cluster cluster;
+  };
+  std::vector<std::vector<Share>> shares(things.size());
+  const std::vector<world::Sighting> sightings = belief_.objects[id].sightings;
+  for (const world::Sighting& sighting : sightings) {
+    const world::Observation& seen = belief_.views[sighting.view];
+    std::vector<world::Cluster> left{seen.detections[sighting.detection].cluster};
+    for (std::size_t k = 0; k < things.size(); ++k) {
+      world::Cluster share = perception::TakeExplained(ModelOf(things[k].model).mesh,
+                                                       seen.X_WC.inverse() * things[k].X_WM,
+                                                       seen.frame.depth, seen.camera, 0, &left);
+      if (static_cast<int>(share.pixels.size()) < config_.segment.min_cluster_points) continue;
+      shares[k].push_back({sighting.view, std::move(share)});
+    }
+  }
+  // The one that was seen most stays the object.
+  const auto pixels = [](const std::vector<Share>& of_one) {
+    std::size_t sum = 0;
+    for (const Share& share : of_one) sum += share.cluster.pixels.size();
+    return sum;
+  };
+  const auto most =
+      std::max_element(shares.begin(), shares.end(),
+                       [&](const auto& a, const auto& b) { return pixels(a) < pixels(b); });
+  const auto seen_before = std::count_if(shares.begin(), shares.end(),
+                                         [](const auto& of_one) { return !of_one.empty(); });
+  std::vector<int> ids;
+  for (auto share = shares.begin(); share != shares.end(); ++share) {
+    ids.push_back(share == most ? id : MergedObject({}));
+  }
+  if (seen_before < 2) return ids;
+  TakeOutOfReference(id);
+  ObjectBelief whole;
+  whole.id = id;
+  whole.looks_taken = belief_.objects[id].looks_taken;
+  belief_.objects[id] = std::move(whole);
+  for (std::size_t k = 0; k < things.size(); ++k) {
+    for (Share& share : shares[k]) {
+      AddDetection(share.view, std::move(share.cluster), &belief_.objects[ids[k]]);
+    }
+  }
+  return ids;
+}
+
+/// Adds to a view before what of it shows `object` alone.
+void SceneUnderstanding::AddDetection(int view, world::Cluster cluster, ObjectBelief* object) {
+  std::vector<world::Detection>& detections = belief_.views[view].detections;
+  const auto detection = static_cast<int>(detections.size());
+  cv::Mat& labels = views_[view].labels;
+  for (const int pixel : cluster.pixels) {
+    labels.at<int>(pixel / labels.cols, pixel % labels.cols) = detection;
+  }
+  detections.push_back({std::move(cluster), {}, ""});
+  AddSighting(view, detection, object);
 }
 
 /// The object that all of `ids` are; a new one when there are none.
@@ -385,270 +520,11 @@ void SceneUnderstanding::AddSighting(int view, int detection, ObjectBelief* obje
   for (const Vector3d& p : object->points_W) object->extent_W.extend(p);
 }
 
-void SceneUnderstanding::AddFreshHypotheses(int view, const world::Detection& detection,
-                                            ObjectBelief* object) const {
-  const Pose& X_WC = belief_.views[view].X_WC;
-  for (const world::Hypothesis& fresh : detection.hypotheses) {
-    const perception::RecognitionModel& model = ModelOf(fresh.model);
-    const Pose X_WM = X_WC * fresh.X_CM;
-    const bool known = std::any_of(
-        object->hypotheses.begin(), object->hypotheses.end(), [&](const PoseHypothesis& h) {
-          if (h.struck || h.model != fresh.model) return false;
-          const perception::PoseDistance distance =
-              perception::DistanceUpToSymmetry(h.X_WM, X_WM, model.symmetry, model.center_M, true);
-          return distance.translation < kSamePose_m && distance.rotation < kSamePose_rad;
-        });
-    if (known) continue;
-    PoseHypothesis hypothesis;
-    hypothesis.model = fresh.model;
-    hypothesis.X_WM = X_WM;
-    hypothesis.evidence.push_back({view, fresh});
-    object->hypotheses.push_back(std::move(hypothesis));
-  }
-}
-
-/// The pose of `model`, believed to stand at `X_WM`, as the view of `sighting` refines it.
-Pose SceneUnderstanding::RefinedIn(const world::Sighting& sighting,
-                                   const perception::RecognitionModel& model, const Pose& X_WM) {
-  const perception::View& view = views_[sighting.view];
-  const Pose X_CM = belief_.views[sighting.view].X_WC.inverse() * X_WM;
-  Pose refined =
-      perception::RefinePose(model, X_CM, view, sighting.detection, kRefineRounds, &rasteriser_);
-  if (model.symmetry.axis && !model.symmetry.axis_keeps_color) {
-    refined = perception::PolishByColor(model, refined, view, sighting.detection);
-  }
-  const double moved = (refined * model.center_M - X_CM * model.center_M).norm();
-  const bool another_pose = moved > kMaxRefinement_m ||
-                            RotationDistance(refined.linear(), X_CM.linear()) > kMaxRefinement_rad;
-  return another_pose ? X_CM : refined;
-}
-
-/// What the view of `sighting` says of `model` at X_CM.
-world::ViewEvidence SceneUnderstanding::Ask(const world::Sighting& sighting,
-                                            const perception::RecognitionModel& model,
-                                            const Pose& X_CM) {
-  const perception::View& view = views_[sighting.view];
-  const world::Cluster& cluster =
-      belief_.views[sighting.view].detections[sighting.detection].cluster;
-  world::ViewEvidence evidence{sighting.view, {model.name, X_CM, 0.0, {}}};
-  evidence.hypothesis.verification =
-      perception::Verify(model, X_CM, view, sighting.detection,
-                         perception::InnerPixels(view, sighting.detection, cluster),
-                         config_.recognise.verify, &rasteriser_, &evidence.hypothesis.score);
-  return evidence;
-}
-
-/// `best` with its model turned by X_MS, as the views that `best` rests on see it.
-PoseHypothesis SceneUnderstanding::Turned(const ObjectBelief& object, const PoseHypothesis& best,
-                                          const Pose& X_MS) {
-  const perception::RecognitionModel& model = ModelOf(best.model);
-  PoseHypothesis turned;
-  turned.model = best.model;
-  turned.X_WM = best.X_WM * X_MS;
-  for (const world::ViewEvidence& e : best.evidence) {
-    turned.evidence.push_back(Ask(SightingIn(object, e.view), model, e.hypothesis.X_CM * X_MS));
-  }
-  return turned;
-}
-
-/// `best` refined in all its views together, colour included; empty when that fits worse or is
-/// another pose.
-std::optional<PoseHypothesis> SceneUnderstanding::RefinedTogether(const ObjectBelief& object,
-                                                                  const PoseHypothesis& best) {
-  std::vector<perception::PlacedModel> placed;
-  for (const world::ViewEvidence& e : best.evidence) {
-    placed.push_back({&views_[e.view], SightingIn(object, e.view).detection, e.hypothesis.X_CM});
-  }
-  const perception::RecognitionModel& model = ModelOf(best.model);
-  const Pose X_MS =
-      perception::RefineTogether(model, std::move(placed), kRefineRounds, &rasteriser_);
-  const Eigen::Vector3d moved_M = X_MS * model.center_M - model.center_M;
-  const bool another_pose =
-      moved_M.norm() > kMaxRefinement_m ||
-      RotationDistance(Eigen::Matrix3d::Identity(), X_MS.linear()) > kMaxRefinement_rad ||
-      perception::LeavesItsRest(model, best.X_WM, X_MS, belief_.plane_W->normal_A);
-  if (another_pose) return std::nullopt;
-  PoseHypothesis refined = Turned(object, best, X_MS);
-  if (fusion::Lead(config_.conclude, best, refined) > 0.0) return std::nullopt;
-  FusePose(&refined);
-  return refined;
-}
-
-/// Where between `best` turned a little by X_MS and turned back by as much the views' preference is
-/// highest: the top of the parabola through the three leads, at most half way. Empty when it is
-/// there already, or that is no better.
-std::optional<PoseHypothesis> SceneUnderstanding::Recentred(const ObjectBelief& object,
-                                                            const PoseHypothesis& best,
-                                                            const Pose& X_MS) {
-  const double angle = RotationDistance(Eigen::Matrix3d::Identity(), X_MS.linear());
-  if (angle > 1.01 * kRivalTurn_rad) return std::nullopt;
-  const auto lead = [&](const PoseHypothesis& other) {
-    return fusion::Lead(config_.conclude, best, other);
-  };
-  const double ahead = lead(Turned(object, best, X_MS));
-  const double behind = lead(Turned(object, best, X_MS.inverse()));
-  if (ahead + behind <= 0.0) return std::nullopt;
-  const double share = std::clamp(0.5 * (behind - ahead) / (behind + ahead), -0.5, 0.5);
-  if (std::abs(share) < kCentred) return std::nullopt;
-  PoseHypothesis recentred =
-      Turned(object, best, perception::ShareOfTurn(X_MS, ModelOf(best.model).center_M, share));
-  if (lead(recentred) > 0.0) return std::nullopt;
-  FusePose(&recentred);
-  return recentred;
-}
-
-/// Is the pose of a verified object held by what was seen? Turned a little, or to where its shape
-/// is the same, it must fit worse in the views together. A turn that fits better takes its place,
-/// one that fits nearly as well moves it to where it is as far ahead on either side; what then
-/// still fits nearly as well is a hypothesis of its own, and the object is open again.
-void SceneUnderstanding::ExamineTurns(ObjectBelief* object) {
-  const perception::RecognitionModel& model = ModelOf(object->Best()->model);
-  const std::vector<Pose> turns = perception::RivalTurns(model, kRivalTurn_rad);
-  for (int round = 0; round < kMaxTurnRounds; ++round) {
-    PoseHypothesis& best = object->hypotheses.front();
-    if (std::optional<PoseHypothesis> refined = RefinedTogether(*object, best)) {
-      best = *std::move(refined);
-    }
-    PoseHypothesis rival;
-    Pose X_MS{Pose::Identity()};
-    double rival_margin = 0.0;  // how much of the lead it needs `best` lacks over it
-    bool better = false;
-    for (const Pose& turn : turns) {
-      if (perception::LeavesItsRest(model, best.X_WM, turn, belief_.plane_W->normal_A)) continue;
-      PoseHypothesis turned = Turned(*object, best, turn);
-      const double lead = fusion::Lead(config_.conclude, best, turned);
-      const double margin = fusion::NeededLead(config_.conclude, best, turned) - lead;
-      if (margin <= rival_margin) continue;
-      rival_margin = margin;
-      rival = std::move(turned);
-      X_MS = turn;
-      better = lead < 0.0;
-    }
-    if (rival_margin <= 0.0) break;
-    FusePose(&rival);
-    if (better) {
-      best = std::move(rival);
-      continue;
-    }
-    std::optional<PoseHypothesis> recentred = Recentred(*object, best, X_MS);
-    if (!recentred || round + 1 == kMaxTurnRounds) {
-      object->hypotheses.push_back(std::move(rival));
-      break;
-    }
-    best = *std::move(recentred);
-  }
-  fusion::Conclude(task_, config_.conclude, ClearViews(*object), object);
-}
-
-/// Asks every view that shows the object about every hypothesis that it was not asked about
-/// yet.
-void SceneUnderstanding::CompleteEvidence(ObjectBelief* object) {
-  for (PoseHypothesis& h : object->hypotheses) {
-    if (h.struck) continue;
-    const perception::RecognitionModel& model = ModelOf(h.model);
-    for (const world::Sighting& sighting : object->sightings) {
-      const bool asked = std::any_of(h.evidence.begin(), h.evidence.end(),
-                                     [&](const auto& e) { return e.view == sighting.view; });
-      if (asked) continue;
-      h.evidence.push_back(Ask(sighting, model, RefinedIn(sighting, model, h.X_WM)));
-    }
-    std::sort(h.evidence.begin(), h.evidence.end(),
-              [](const auto& a, const auto& b) { return a.view < b.view; });
-    FusePose(&h);
-  }
-  DropConverged(object);
-  DropLeaning(object);
-}
-
-/// Drops hypotheses that the views' refinements have brought to where a better one is.
-void SceneUnderstanding::DropConverged(ObjectBelief* object) const {
-  std::vector<PoseHypothesis> kept;
-  for (PoseHypothesis& h : object->hypotheses) {
-    const perception::RecognitionModel& model = ModelOf(h.model);
-    const auto same = std::find_if(kept.begin(), kept.end(), [&](const PoseHypothesis& other) {
-      if (other.struck || h.struck || other.model != h.model) return false;
-      const perception::PoseDistance d = perception::DistanceUpToSymmetry(
-          other.X_WM, h.X_WM, model.symmetry, model.center_M, true);
-      return d.translation < kOnePose_m && d.rotation < kOnePose_rad;
-    });
-    if (same == kept.end()) {
-      kept.push_back(std::move(h));
-    } else if (fusion::Lead(config_.conclude, h, *same) > 0.0) {
-      *same = std::move(h);
-    }
-  }
-  object->hypotheses = std::move(kept);
-}
-
-/// Drops poses in which a thing would have to be held where the views cannot tell them from one in
-/// which it rests.
-void SceneUnderstanding::DropLeaning(ObjectBelief* object) const {
-  const auto rests = [&](const PoseHypothesis& h) {
-    return perception::IsAtRest(ModelOf(h.model), h.X_WM, belief_.plane_W->normal_A);
-  };
-  std::vector<PoseHypothesis> resting;
-  for (const PoseHypothesis& h : object->hypotheses) {
-    if (!h.struck && rests(h)) resting.push_back(h);
-  }
-  std::erase_if(object->hypotheses, [&](const PoseHypothesis& h) {
-    return !h.struck && !rests(h) &&
-           std::any_of(resting.begin(), resting.end(), [&](const PoseHypothesis& other) {
-             return other.model == h.model &&
-                    fusion::Lead(config_.conclude, h, other) < config_.conclude.min_lead;
-           });
-  });
-}
-
-/// The pose over all views: each counts by how well and how much of the model it shows.
-void SceneUnderstanding::FusePose(PoseHypothesis* h) const {
-  std::vector<fusion::PoseEstimate> estimates;
-  for (const world::ViewEvidence& e : h->evidence) {
-    const double weight =
-        std::max(1e-3, e.hypothesis.score * e.hypothesis.verification.visible_fraction);
-    fusion::PoseEstimate estimate;
-    estimate.X_WM = belief_.views[e.view].X_WC * e.hypothesis.X_CM;
-    estimate.information.topLeftCorner<3, 3>() *= weight / (kViewSigma_rad * kViewSigma_rad);
-    estimate.information.bottomRightCorner<3, 3>() *= weight / (kViewSigma_m * kViewSigma_m);
-    estimates.push_back(estimate);
-  }
-  const fusion::FusedPose fused = fusion::FusePoses(estimates);
-  h->X_WM = fused.X_WM;
-  h->covariance = fused.covariance;
-  h->likely_free = LikelyFreeShare(*h);
-}
-
-/// The share of the model's surface that lies where the map is likely free.
-double SceneUnderstanding::LikelyFreeShare(const PoseHypothesis& h) const {
-  const std::vector<perception::ModelPoint>& points = ModelOf(h.model).points;
-  std::vector<Vector3d> points_W;
-  for (std::size_t i = 0; i < std::min(points.size(), kMapPoints); ++i) {
-    points_W.push_back(h.X_WM * points[i].point.cast<double>());
-  }
-  return space_.LikelyFreeShare(points_W);
-}
-
-/// How many sides of the object were seen clearly.
-int SceneUnderstanding::ClearViews(const ObjectBelief& object) const {
-  const Vector3d center_W = object.extent_W.center();
-  std::vector<Vector3d> directions;
-  for (const world::Sighting& sighting : object.sightings) {
-    const world::Observation& observation = belief_.views[sighting.view];
-    const world::Cluster& cluster = observation.detections[sighting.detection].cluster;
-    if (cluster.touches_border) continue;
-    if (static_cast<int>(cluster.pixels.size()) < config_.clear_view_points) continue;
-    const Vector3d direction = (observation.X_WC.translation() - center_W).normalized();
-    const bool new_side = std::none_of(
-        directions.begin(), directions.end(),
-        [&](const Vector3d& other) { return direction.dot(other) > std::cos(kSameSide_rad); });
-    if (new_side) directions.push_back(direction);
-  }
-  return static_cast<int>(directions.size());
-}
-
+/// Concludes what the object is; views are registered to the whole model of what is verified.
 void SceneUnderstanding::Conclude(ObjectBelief* object) {
-  fusion::Conclude(task_, config_.conclude, ClearViews(*object), object);
+  Verification().Conclude(object);
   if (object->state == ObjectState::kVerified && modelled_W_.contains(object->id)) return;
-  if (object->state == ObjectState::kVerified) ExamineTurns(object);
+  if (object->state == ObjectState::kVerified) Verification().ExamineTurns(object);
   TakeOutOfReference(object->id);
   if (object->state != ObjectState::kVerified) return;
   const PoseHypothesis& best = *object->Best();
@@ -700,6 +576,10 @@ void SceneUnderstanding::PlaceVerified() {
       space_.TakeAway(object.id);
     }
   }
+}
+
+MultiViewVerification SceneUnderstanding::Verification() const {
+  return {config_, task_, models_, belief_, views_, space_};
 }
 
 const perception::RecognitionModel& SceneUnderstanding::ModelOf(const std::string& name) const {

@@ -1,13 +1,12 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/capture.h"
 #include "apps/mission_config.h"
-#include "lib/geometry/depth_rasteriser.h"
+#include "apps/multi_view_verification.h"
 #include "lib/perception/recognition_model.h"
 #include "lib/perception/register_view.h"
 #include "lib/perception/view.h"
@@ -70,32 +69,18 @@ class SceneUnderstanding {
                             const std::vector<int>& gone) const;
   void GrowPlane(const std::vector<Eigen::Vector3d>& plane_points_C,
                  const world::SupportPlane& plane_C, const Pose& X_WC);
+  void GrowFurther(const std::vector<perception::FurtherSupport>& further, const Pose& X_WC);
   Matched MatchClusters(std::vector<world::Cluster> clusters, const cv::Mat& depth,
                         const hal::CameraModel& camera, const Pose& X_WC);
   void MergeDuplicates();
-  std::vector<world::Detection> Recognise(const Matched& matched) const;
+  std::vector<int> ToldApart(const std::vector<int>& ids) const;
+  std::vector<world::Detection> Recognise(const perception::View& view, const Pose& X_WC,
+                                          Matched* matched);
+  std::vector<int> SplitObject(int id, const std::vector<world::PoseHypothesis>& things);
+  void AddDetection(int view, world::Cluster cluster, world::ObjectBelief* object);
   int MergedObject(const std::vector<int>& ids);
   void AddSighting(int view, int detection, world::ObjectBelief* object);
-  void AddFreshHypotheses(int view, const world::Detection& detection,
-                          world::ObjectBelief* object) const;
-  Pose RefinedIn(const world::Sighting& sighting, const perception::RecognitionModel& model,
-                 const Pose& X_WM);
-  world::ViewEvidence Ask(const world::Sighting& sighting,
-                          const perception::RecognitionModel& model, const Pose& X_CM);
-  world::PoseHypothesis Turned(const world::ObjectBelief& object, const world::PoseHypothesis& best,
-                               const Pose& X_MS);
-  std::optional<world::PoseHypothesis> RefinedTogether(const world::ObjectBelief& object,
-                                                       const world::PoseHypothesis& best);
-  std::optional<world::PoseHypothesis> Recentred(const world::ObjectBelief& object,
-                                                 const world::PoseHypothesis& best,
-                                                 const Pose& X_MS);
-  void ExamineTurns(world::ObjectBelief* object);
-  void CompleteEvidence(world::ObjectBelief* object);
-  void DropConverged(world::ObjectBelief* object) const;
-  void DropLeaning(world::ObjectBelief* object) const;
-  void FusePose(world::PoseHypothesis* hypothesis) const;
-  double LikelyFreeShare(const world::PoseHypothesis& hypothesis) const;
-  int ClearViews(const world::ObjectBelief& object) const;
+  MultiViewVerification Verification() const;
   void Conclude(world::ObjectBelief* object);
   void TakeOutOfReference(int id);
   void EnterNewestView();
@@ -110,9 +95,9 @@ class SceneUnderstanding {
   std::map<int, Eigen::AlignedBox3d> modelled_W_;  // what stands in it as whole models, by object
   std::vector<Unlearned> unlearned_;               // in the order of the views
   std::vector<Eigen::Vector3d> plane_points_W_;
+  std::vector<std::vector<Eigen::Vector3d>> further_points_W_;  // by plane of belief_.further_W
   std::vector<perception::View> views_;  // as recognition looks at belief_.views
   world::SceneBelief belief_;
-  geometry::DepthRasteriser rasteriser_;
 };
 
 }  // namespace secondlook::apps

@@ -24,7 +24,7 @@ constexpr Experiment kExperiments[] = {
     {"recognition", RunRecognitionExperiment, 10, 48},
     {"real-frames", RunRealFramesExperiment, 1000000, 0},  // all that there are
     {"pose-averaging", RunPoseAveragingExperiment, 3, 20},
-    {"segmentation", RunSegmentationExperiment, 1000000, 0},
+    {"segmentation", RunSegmentationExperiment, 0, 0},  // 50 views, or all clouds that there are
 };
 
 /// The names of all, in words.

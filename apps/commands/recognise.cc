@@ -125,6 +125,9 @@ void Recognise(const RecogniseOptions& options) {
   if (options.json.empty()) return;
   nlohmann::ordered_json json{
       {"objects", nlohmann::ordered_json::array()}, {"seconds", seconds}, {"reason", found.reason}};
+  std::vector<world::SupportPlane> planes = found.further_C;
+  if (found.plane_C) planes.insert(planes.begin(), *found.plane_C);
+  json["planes"] = PlanesToJson(planes);
   for (std::size_t i = 0; i < found.detections.size(); ++i) {
     const nlohmann::ordered_json object = ToJson(found.detections[i], found.choices[i]);
     if (!object.is_null()) json["objects"].push_back(object);

@@ -49,20 +49,23 @@ nlohmann::ordered_json ToJson(const perception::Segmentation& result, const std:
                      {"offset", result.plane_C->offset}};
   }
   json["clusters"] = nlohmann::ordered_json::array();
-  for (const world::Cluster& cluster : result.clusters) {
-    json["clusters"].push_back(
-        {{"points", cluster.pixels.size()}, {"center", vector(cluster.center_C)}});
+  for (std::size_t i = 0; i < result.clusters.size(); ++i) {
+    const world::Cluster& cluster = result.clusters[i];
+    json["clusters"].push_back({{"points", cluster.pixels.size()},
+                                {"center", vector(cluster.center_C)},
+                                {"plane", result.stands_on[i]}});
   }
   json["labels"] = labels;
   json["reason"] = result.reason;
+  json["planes"] = PlanesToJson(result.Planes());
   return json;
 }
 
 void PrintTable(const perception::Segmentation& result) {
-  if (result.plane_C) {
-    const Eigen::Vector3d& n = result.plane_C->normal_A;
+  for (const world::SupportPlane& plane : result.Planes()) {
+    const Eigen::Vector3d& n = plane.normal_A;
     fmt::print("support plane: normal ({:.3f}, {:.3f}, {:.3f}), offset {:.3f} m, {} points\n",
-               n.x(), n.y(), n.z(), result.plane_C->offset, result.plane_C->inliers);
+               n.x(), n.y(), n.z(), plane.offset, plane.inliers);
   }
   for (std::size_t i = 0; i < result.clusters.size(); ++i) {
     const Eigen::Vector3d& p = result.clusters[i].center_C;

@@ -54,10 +54,10 @@ void RunMissionsExperiment(const ExperimentOptions& options);
 /// @throws ConfigError for a folder that has no such frame, or a frame that cannot be read.
 void RunRealFramesExperiment(const ExperimentOptions& options);
 
-/// Segmentation of recorded clouds in which each point is labelled: a trial is a PCD of the folder
-/// `options.data`. The baseline is the same without splitting what touches.
-/// @throws InvalidArgument without a folder, ConfigError for one that has no such file, or a file
-/// that cannot be read.
+/// Segmentation of clouds in which each point is labelled: a trial is a PCD of the folder
+/// `options.data`, or without one a simulated view of a crowded table. The baseline is the same
+/// without splitting what touches. `options.trials` 0: all clouds, or 50 views.
+/// @throws ConfigError for a folder that has no such file, or a file that cannot be read.
 void RunSegmentationExperiment(const ExperimentOptions& options);
 
 /// Recognition in single views, each from scratch, as in Section IV-C of Kriegel 2013: a trial is a

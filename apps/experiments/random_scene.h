@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "lib/common/pose.h"
 #include "lib/common/rng.h"
 #include "sim/scene.h"
 
@@ -27,6 +28,9 @@ sim::Scene DrawScene(const Repertoire& repertoire, Rng* rng);
 /// A small table, crowded with `things` at random places at least 3 cm apart and turned at random:
 /// from most sides, some hide others. What finds no room in many attempts is left out.
 sim::Scene DrawCrowdedTable(const std::vector<sim::SceneObject>& things, Rng* rng);
+
+/// A camera between 0.6 and 1.2 m from the middle of the table, 20 to 70 degrees above it.
+Pose DrawView(const sim::Table& table, Rng* rng);
 
 /// Takes `count` random objects out of `pool`, or all when there are fewer.
 std::vector<sim::SceneObject> DrawObjects(std::vector<sim::SceneObject> pool, int count, Rng* rng);

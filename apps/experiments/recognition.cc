@@ -29,18 +29,6 @@ constexpr double kMaxError_rad = 15.0 * kDegree;
 /// The paper's threshold of q_h (Kriegel 2013, III-C).
 constexpr double kPaperQuality = 0.4;
 
-/// A camera between 0.6 and 1.2 m from the middle of the table, 20 to 70 degrees above it.
-Pose DrawView(const sim::Table& table, Rng* rng) {
-  const Vector3d target(table.position.x() + rng->Uniform(-0.1, 0.1),
-                        table.position.y() + rng->Uniform(-0.1, 0.1), table.height + 0.05);
-  const double azimuth = rng->Uniform(-std::numbers::pi, std::numbers::pi);
-  const double elevation = rng->Uniform(20.0, 70.0) * kDegree;
-  const double distance = rng->Uniform(0.6, 1.2);
-  const Vector3d towards(std::cos(elevation) * std::cos(azimuth),
-                         std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-  return LookAt(target + distance * towards, target);
-}
-
 /// Those that the paper's rule chooses: of each cluster the highest quality, when it exceeds 0.4.
 std::vector<world::Hypothesis> ChosenByQuality(const std::vector<world::Detection>& detections) {
   std::vector<world::Hypothesis> chosen;

@@ -85,8 +85,8 @@ void AddResting(const RecognitionModel& model, const View& view, const Eigen::Ve
         model.symmetry.axis && std::abs(model.symmetry.axis->direction.dot(down_M)) > 0.99;
     const int yaws = turns ? 1 : kYaws;
     for (int k = 0; k < yaws; ++k) {
-      poses->push_back(
-          RestAt(model, down_M, 2.0 * std::numbers::pi * k / kYaws, view.plane_C, center_C));
+      poses->push_back(RestAt(model, down_M, 2.0 * std::numbers::pi * k / kYaws,
+                              view.PlaneUnder(center_C), center_C));
     }
   }
 }

@@ -83,7 +83,8 @@ Pose AlignPoints(const RecognitionModel& model, Pose X_CM, const View& view, int
       const double off = n.dot(q - p) / (0.5 * reach);
       pairs.push_back({p, q, n, 1.0 / (1.0 + off * off)});
     }
-    AddContact(model, X_CM, view.plane_C, 0.1 * static_cast<double>(pairs.size()), &pairs);
+    AddContact(model, X_CM, view.PlaneUnder(X_CM * model.center_M),
+               0.1 * static_cast<double>(pairs.size()), &pairs);
     X_CM = geometry::SolvePointToPlane(pairs).X * X_CM;
   }
   return X_CM;

@@ -1,6 +1,8 @@
 #include "lib/perception/recognise_frame.h"
 
-#include "lib/perception/choose_together.h"
+#include <utility>
+
+#include "lib/perception/regroup.h"
 
 namespace secondlook::perception {
 
@@ -13,9 +15,12 @@ FrameRecognition RecogniseFrame(const cv::Mat& color, const cv::Mat& depth,
   found.plane_C = segmentation.plane_C;
   found.reason = segmentation.reason;
   if (!found.plane_C) return found;
-  const View view = MakeView(color, depth, camera, *found.plane_C, segmentation.clusters);
-  found.detections = Recognise(view, segmentation.clusters, models, config);
-  found.choices = ChooseTogether(found.detections, models, config);
+  found.further_C = segmentation.FurtherPlanes();
+  const View view =
+      MakeView(color, depth, camera, *found.plane_C, segmentation.clusters, found.further_C);
+  Regrouped things = RecogniseRegrouping(view, segmentation.clusters, models, config);
+  found.detections = std::move(things.detections);
+  found.choices = std::move(things.choices);
   return found;
 }
 

@@ -222,7 +222,7 @@ void AddPairs(const RecognitionModel& model, const Pose& X_CM, const View& view,
   AddSurfacePairs(model, view, label, rendered, pairs);
   const auto surface = static_cast<double>(pairs->size());
   AddOutlinePairs(view, label, rendered, 0.3 * surface, pairs);
-  AddContact(model, X_CM, view.plane_C, contact_share * surface, pairs);
+  AddContact(model, X_CM, view.PlaneUnder(X_CM * model.center_M), contact_share * surface, pairs);
 }
 
 }  // namespace

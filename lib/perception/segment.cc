@@ -207,16 +207,34 @@ std::vector<Vector3d> Thinned(const std::vector<Vector3d>& points, const Vector3
   return thinned;
 }
 
-struct PlaneSearch {
-  std::optional<world::SupportPlane> plane;
+/// A level plane that is large enough to stand on.
+struct Support {
+  world::SupportPlane plane;
   std::vector<Vector3d> patch;  ///< The points it was fitted to.
+  double height{};              ///< Of the patch, along the normal of the first that was found.
+  double extent{};              ///< Of its convex extent [m2].
+};
+
+struct PlaneSearch {
+  std::vector<Support> supports;  ///< The one that counts first, the others by falling extent.
   std::string reason;
 };
 
-/// Of the planes with a normal near `up` that are large enough, the highest, or the largest where
-/// the floor is out of the question.
-PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vector<int>& candidates,
-                             const Vector3d& up, const SegmentConfig& config, bool floor_is_out) {
+/// Puts the support that counts first: the highest, or the largest where the floor is out of the
+/// question. Where it is not, the lowest of several may be the floor, and goes.
+void Rank(bool floor_is_out, std::vector<Support>* supports) {
+  std::stable_sort(supports->begin(), supports->end(),
+                   [](const Support& a, const Support& b) { return a.extent > b.extent; });
+  if (floor_is_out || supports->size() < 2) return;
+  const auto lower = [](const Support& a, const Support& b) { return a.height < b.height; };
+  supports->erase(std::min_element(supports->begin(), supports->end(), lower));
+  const auto highest = std::max_element(supports->begin(), supports->end(), lower);
+  std::rotate(supports->begin(), highest, highest + 1);
+}
+
+/// The planes with a normal near `up` that are large enough.
+PlaneSearch FindSupports(const geometry::PointImage& cloud, const std::vector<int>& candidates,
+                         const Vector3d& up, const SegmentConfig& config, bool floor_is_out) {
   Rng rng(1);  // chance in finding a plane, not in the result: any seed serves
   const std::size_t stride = std::max<std::size_t>(1, candidates.size() / kRansacPoints);
   std::vector<Vector3f> sample;
@@ -227,8 +245,7 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
   std::optional<Plane> ground;  // the first: it has the most points
   Vector3d level = up;
   double max_tilt = config.max_tilt_deg * std::numbers::pi / 180.0;
-  PlaneSearch best;
-  double best_rank = 0.0;
+  PlaneSearch found;
   int most_points = 0;
   double largest_area = 0.0;
   for (int round = 0; round < kMaxPlanes && sample.size() >= 10; ++round) {
@@ -274,14 +291,13 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
     if (!over_things && tilt > kMaxTiltOfThings) continue;
     // The extent, not what was seen of it: what is far is seen in fewer points.
     const double extent = cv::contourArea(ConvexExtent(patch, PlaneAxes(plane->normal)));
-    const double rank = floor_is_out ? extent : height;
-    if (best.plane && rank < best_rank) continue;
-    best_rank = rank;
-    best.plane = {plane->normal, plane->offset, corners, static_cast<int>(patch.size())};
-    best.patch = std::move(patch);
+    const auto count = static_cast<int>(patch.size());
+    found.supports.push_back(
+        {{plane->normal, plane->offset, corners, count}, std::move(patch), height, extent});
   }
-  if (!best.plane) {
-    best.reason = fmt::format(
+  Rank(floor_is_out, &found.supports);
+  if (found.supports.empty()) {
+    found.reason = fmt::format(
         "no support plane: of the planes within {} deg of level, the one with the most points has "
         "{} "
         "(needs {}) and the largest covers {:.3f} m2 (needs {}, and a width of {} m); {} points "
@@ -290,7 +306,7 @@ PlaneSearch FindSupportPlane(const geometry::PointImage& cloud, const std::vecto
         config.max_tilt_deg, most_points, config.min_plane_points, largest_area,
         config.min_plane_area_m2, config.min_plane_width_m, candidates.size(), config.max_range_m);
   }
-  return best;
+  return found;
 }
 
 /// Groups points whose distance is below `gap`, by voxels of half that size; labels count from 0.
@@ -304,19 +320,21 @@ std::vector<int> ClusterLabels(const std::vector<Vector3d>& points, double gap) 
   return labels;
 }
 
-/// The points that stand over the convex extent of the plane's patch, as indices.
+/// The points that stand over the convex extent of the support, or beyond it by no more than
+/// `clearance`, as indices.
 std::vector<int> PointsAbove(const geometry::PointImage& cloud, const std::vector<int>& candidates,
-                             const world::SupportPlane& plane, const std::vector<Vector3d>& patch,
+                             const Support& support, double clearance,
                              const SegmentConfig& config) {
+  const world::SupportPlane& plane = support.plane;
   const auto axes = PlaneAxes(plane.normal_A);
-  const std::vector<cv::Point2f> hull = ConvexExtent(patch, axes);
+  const std::vector<cv::Point2f> hull = ConvexExtent(support.patch, axes);
   std::vector<int> above;
   for (const int i : candidates) {
     const Vector3d p = cloud.points_C[i].cast<double>();
     const double height = plane.HeightOf(p);
     if (height < std::max(config.min_height_m, 3.0 * geometry::DepthSigma(p.z()))) continue;
     if (height > config.max_height_m) continue;
-    if (cv::pointPolygonTest(hull, OnPlane(axes, p), true) < -config.edge_clearance_m) continue;
+    if (cv::pointPolygonTest(hull, OnPlane(axes, p), true) < -clearance) continue;
     above.push_back(i);
   }
   return above;
@@ -394,17 +412,40 @@ std::vector<std::vector<int>> Things(const geometry::PointImage& cloud,
   return parts;
 }
 
-std::vector<world::Cluster> MakeClusters(const geometry::PointImage& cloud,
-                                         const std::vector<int>& above,
-                                         const world::SupportPlane& plane,
-                                         const SegmentConfig& config) {
-  std::vector<world::Cluster> clusters;
-  for (const std::vector<int>& pixels : Things(cloud, above, plane, config)) {
-    clusters.push_back(MakeCluster(cloud, pixels));
+/// A cluster and the support it stands on.
+struct Standing {
+  world::Cluster cluster;
+  int support{};
+};
+
+/// What stands on each of `supports`, the largest first. From above, so that what stands on a box
+/// is not of the box; what forms no cluster there is left to the support below.
+std::vector<Standing> FindStanding(const geometry::PointImage& cloud, std::vector<int> candidates,
+                                   const std::vector<Support>& supports,
+                                   const SegmentConfig& config, std::size_t* above_first) {
+  std::vector<int> order(supports.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return supports[a].height > supports[b].height; });
+  std::vector<Standing> standing;
+  for (const int k : order) {
+    // Another thing may stand right beside a box, but over a table's edge things may reach.
+    const double clearance = k == 0 ? config.edge_clearance_m : -config.edge_clearance_m / 2.0;
+    const std::vector<int> above = PointsAbove(cloud, candidates, supports[k], clearance, config);
+    if (k == 0) *above_first = above.size();
+    std::vector<int> taken;
+    for (const std::vector<int>& pixels : Things(cloud, above, supports[k].plane, config)) {
+      standing.push_back({MakeCluster(cloud, pixels), k});
+      taken.insert(taken.end(), pixels.begin(), pixels.end());
+    }
+    std::sort(taken.begin(), taken.end());
+    std::erase_if(candidates,
+                  [&](int i) { return std::binary_search(taken.begin(), taken.end(), i); });
   }
-  std::stable_sort(clusters.begin(), clusters.end(),
-                   [](const auto& a, const auto& b) { return a.pixels.size() > b.pixels.size(); });
-  return clusters;
+  std::stable_sort(standing.begin(), standing.end(), [](const Standing& a, const Standing& b) {
+    return a.cluster.pixels.size() > b.cluster.pixels.size();
+  });
+  return standing;
 }
 
 }  // namespace
@@ -429,6 +470,27 @@ void SegmentConfig::Validate() const {
   if (!(min_height_m >= 0.0 && min_height_m < max_height_m)) {
     Throw<ConfigError>("min_height_m = {} must not be negative, and max_height_m = {} above it",
                        min_height_m, max_height_m);
+  }
+}
+
+void PutFirst(const world::SupportPlane& known_W, const Pose& X_WC, Segmentation* segmentation) {
+  constexpr double kTolerance = 0.03;  // [m]
+  const auto off = [&](const world::SupportPlane& plane_C) {
+    const world::SupportPlane plane_W = world::Transform(X_WC, plane_C);
+    const Vector3d middle_W = (plane_W.corners_A[0] + plane_W.corners_A[2]) / 2.0;
+    return std::abs(known_W.HeightOf(middle_W));
+  };
+  if (!segmentation->plane_C || off(*segmentation->plane_C) < kTolerance) return;
+  for (std::size_t k = 0; k < segmentation->further.size(); ++k) {
+    FurtherSupport& other = segmentation->further[k];
+    if (off(other.plane_C) >= kTolerance) continue;
+    std::swap(*segmentation->plane_C, other.plane_C);
+    std::swap(segmentation->plane_points_C, other.points_C);
+    const auto second = static_cast<int>(k) + 1;
+    for (int& support : segmentation->stands_on) {
+      if (support == 0 || support == second) support = second - support;
+    }
+    return;
   }
 }
 
@@ -461,18 +523,30 @@ Segmentation Segment(const geometry::PointImage& cloud, const Vector3d& up_C,
   RefuseWrongUnit(cloud);
   const Vector3d up = up_C.normalized();
   const std::vector<int> candidates = Candidates(cloud, up, config.max_range_m, max_drop);
-  PlaneSearch search = FindSupportPlane(cloud, candidates, up, config, std::isfinite(max_drop));
-  if (!search.plane) return {std::nullopt, {}, {}, search.reason};
+  PlaneSearch search = FindSupports(cloud, candidates, up, config, std::isfinite(max_drop));
+  Segmentation result;
+  result.reason = search.reason;
+  if (search.supports.empty()) return result;
 
-  const std::vector<int> above =
-      PointsAbove(cloud, candidates, *search.plane, search.patch, config);
-  Segmentation result{search.plane, Thinned(search.patch, search.plane->normal_A),
-                      MakeClusters(cloud, above, *search.plane, config), ""};
+  std::size_t above = 0;
+  for (Standing& thing : FindStanding(cloud, candidates, search.supports, config, &above)) {
+    result.clusters.push_back(std::move(thing.cluster));
+    result.stands_on.push_back(thing.support);
+  }
+  for (const Support& support : search.supports) {
+    std::vector<Vector3d> points_C = Thinned(support.patch, support.plane.normal_A);
+    if (result.plane_C) {
+      result.further.push_back({support.plane, std::move(points_C)});
+    } else {
+      result.plane_C = support.plane;
+      result.plane_points_C = std::move(points_C);
+    }
+  }
   if (result.clusters.empty()) {
     result.reason = fmt::format(
         "nothing stands on the support plane: {} points above it form no "
         "cluster of {} points",
-        above.size(), config.min_cluster_points);
+        above, config.min_cluster_points);
   }
   return result;
 }

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "lib/common/pose.h"
 #include "lib/geometry/point_image.h"
 #include "lib/perception/split.h"
 #include "lib/world/observation.h"
@@ -50,14 +51,36 @@ struct SegmentConfig {
   void Validate() const;
 };
 
-/// A view cut into plane and things.
+/// A further plane that things may stand on: a shelf, a second table, the top of a large box.
+struct FurtherSupport {
+  world::SupportPlane plane_C;
+  std::vector<Eigen::Vector3d> points_C;  ///< As Segmentation::plane_points_C.
+};
+
+/// A view cut into planes and things.
 struct Segmentation {
   std::optional<world::SupportPlane> plane_C;  ///< In the camera frame.
   /// The plane's measured points, thinned to about 2 cm: what its rectangle was fitted to [m].
   std::vector<Eigen::Vector3d> plane_points_C;
+  std::vector<FurtherSupport> further;   ///< By falling extent; empty where there is no plane_C.
   std::vector<world::Cluster> clusters;  ///< Largest first.
+  std::vector<int> stands_on;            ///< By cluster: 0 is plane_C, k is further[k - 1].
   /// Why there is no plane, or no cluster, with values; empty when there are both.
   std::string reason;
+
+  /// All planes, by which stands_on counts; none when there is no plane_C.
+  std::vector<world::SupportPlane> Planes() const {
+    std::vector<world::SupportPlane> planes = FurtherPlanes();
+    if (plane_C) planes.insert(planes.begin(), *plane_C);
+    return planes;
+  }
+
+  /// The planes of `further`.
+  std::vector<world::SupportPlane> FurtherPlanes() const {
+    std::vector<world::SupportPlane> planes;
+    for (const FurtherSupport& support : further) planes.push_back(support.plane_C);
+    return planes;
+  }
 };
 
 /// Finds the support plane by RANSAC: of the planes whose normal lies near `up_C`, the unit vector
@@ -65,6 +88,8 @@ struct Segmentation {
 /// (the floor is not a table either), then what stands on it: points over the convex extent of the
 /// plane, clustered by Euclidean distance, cut where things touch (SplitAtCreases()), and with the
 /// inside of what is hollow joined to its outside (FindOutsides()).
+/// The other level planes that are large enough support things, too (FurtherSupport), but for the
+/// lowest of several where it may be the floor; what stands over one is not of what is below it.
 /// Points lower than `max_drop` [m] below the camera are left out: where the camera's height is
 /// known, that takes the floor out of the question, and the largest plane is taken instead of the
 /// highest (a crate beside the table may be higher).
@@ -74,6 +99,11 @@ struct Segmentation {
 Segmentation Segment(const geometry::PointImage& cloud, const Eigen::Vector3d& up_C,
                      const SegmentConfig& config,
                      double max_drop = std::numeric_limits<double>::infinity());
+
+/// Makes that of the planes the first which continues `known_W`, where the camera is at about X_WC:
+/// which of several tables is the largest may change with the view. No change when none lies within
+/// 3 cm of its height.
+void PutFirst(const world::SupportPlane& known_W, const Pose& X_WC, Segmentation* segmentation);
 
 /// Fits the smallest-area rectangle around points that lie on the plane (`normal_C`, `offset`).
 std::array<Eigen::Vector3d, 4> FitRectangle(const std::vector<Eigen::Vector3d>& points_C,

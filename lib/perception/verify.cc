@@ -286,9 +286,10 @@ world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, cons
   const auto silhouette = static_cast<double>(
       std::count_if(rasteriser->triangle().begin(), rasteriser->triangle().end(),
                     [](int triangle) { return triangle >= 0; }));
-  result.reason = ReasonAgainst(result, result.rendered / std::max(1.0, silhouette), explained,
-                                1.0 * unmeasured / std::max(1, result.rendered),
-                                LowestHeight(model, X_CM, view.plane_C), config);
+  result.reason =
+      ReasonAgainst(result, result.rendered / std::max(1.0, silhouette), explained,
+                    1.0 * unmeasured / std::max(1, result.rendered),
+                    LowestHeight(model, X_CM, view.PlaneUnder(X_CM * model.center_M)), config);
   result.accepted = result.reason.empty();
   *score = ScoreOf(result, explained);
   return result;

@@ -17,14 +17,21 @@ struct View {
   cv::Mat depth;   ///< [height, width] CV_32FC1, z_C [m]; NaN = none.
   cv::Mat labels;  ///< [height, width] CV_32SC1: index of the pixel's cluster, -1 = none.
   geometry::CameraModel camera;
-  world::SupportPlane plane_C;  ///< In the camera frame.
+  world::SupportPlane plane_C;                 ///< In the camera frame.
+  std::vector<world::SupportPlane> further_C;  ///< Others that things may stand on.
+
+  /// The plane that a thing at p_CQ stands on: of those that reach under it, the highest below it;
+  /// plane_C when none does.
+  const world::SupportPlane& PlaneUnder(const Eigen::Vector3d& p_CQ) const;
 };
 
-/// The view of `color` (may be empty) and `depth` that holds `clusters`.
+/// The view of `color` (may be empty) and `depth` that holds `clusters`, which stand on `plane_C`
+/// or on one of `further_C`.
 /// @throws InvalidArgument when an image does not fit `camera` or is of another type, or a cluster
 /// has a pixel outside the image.
 View MakeView(const cv::Mat& color, const cv::Mat& depth, const geometry::CameraModel& camera,
-              const world::SupportPlane& plane_C, const std::vector<world::Cluster>& clusters);
+              const world::SupportPlane& plane_C, const std::vector<world::Cluster>& clusters,
+              const std::vector<world::SupportPlane>& further_C = {});
 
 /// How far [m] a measurement at depth `z` may lie from the rendered surface and still be of it:
 /// 2.5 sigma of the sensor and 4 mm for the error of pose and model.

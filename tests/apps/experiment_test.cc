@@ -173,5 +173,20 @@ TEST_F(Trials, OfPoseAveragingGetNearerWithMoreViews) {
   }
 }
 
+TEST_F(Trials, OfSegmentationNeedNoData) {
+  options_.trials = 2;
+  options_.models = "sim/models";
+  RunSegmentationExperiment(options_);
+  const Json result = Written();
+  for (const Json& trial : result["details"]) {
+    const auto objects = trial["objects"].get<std::size_t>();
+    EXPECT_GE(objects, 3U) << "of the seven on the table";
+    EXPECT_LE(objects, 7U);
+    EXPECT_EQ(trial["result"]["iou"].size(), objects);
+  }
+  EXPECT_NE(result["details"][0]["result"]["iou"], result["details"][1]["result"]["iou"]);
+  EXPECT_GT(result["rows"][1]["value"], 0.7);
+}
+
 }  // namespace
 }  // namespace secondlook::apps

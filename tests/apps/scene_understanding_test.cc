@@ -12,7 +12,9 @@ namespace secondlook::apps {
 namespace {
 
 using Eigen::Vector3d;
+using testing::Contains;
 using testing::HasSubstr;
+using testing::Truly;
 using world::ObjectBelief;
 using world::ObjectState;
 
@@ -93,6 +95,56 @@ TEST(SceneUnderstanding, TellsTwoOfOneModelApartOverTheViews) {
         << i;
   }
   for (const ObjectBelief* box : boxes) EXPECT_EQ(box->sightings.size(), 4U);
+}
+
+TEST(SceneUnderstanding, CountsThreeCansOfOneModelOverTwoViews) {
+  Table table({Known("soup_can", -0.15, 0.05, 0.0), Known("soup_can", 0.02, -0.08, 80.0),
+               Known("soup_can", 0.16, 0.08, 200.0)});
+  SceneUnderstanding understanding({}, {}, Shipped({"soup_can", "mug"}));
+  for (const double azimuth : {20.0, 110.0}) ASSERT_EQ(understanding.Add(table.From(azimuth)), "");
+  const auto cans = Verified(understanding, "soup_can");
+  ASSERT_EQ(cans.size(), 3U);
+  for (const int i : {0, 1, 2}) {
+    EXPECT_THAT(cans, Contains(Truly([&](const ObjectBelief* can) {
+                  return DistanceTo(table.CenterOf(i), *can, "soup_can") < 0.01;
+                })))
+        << i;
+  }
+}
+
+TEST(SceneUnderstanding, TellsBoxesThatTouchApartInAllViews) {
+  // Flush, the one turned end to end so that the print does not repeat.
+  const double half = 0.5 * geometry::Bounds(Shipped({"tea_box"}).models()[0].mesh).sizes().x();
+  Table table({Known("tea_box", -half, 0.0, 0.0), Known("tea_box", half, 0.0, 180.0)});
+  SceneUnderstanding understanding({}, {}, Shipped({"tea_box", "mug"}));
+  for (const double azimuth : {-70.0, 60.0, 110.0}) {
+    ASSERT_EQ(understanding.Add(table.From(azimuth)), "");
+  }
+  const auto boxes = Verified(understanding, "tea_box");
+  ASSERT_EQ(boxes.size(), 2U);
+  for (const int i : {0, 1}) {
+    EXPECT_THAT(boxes, Contains(Truly([&](const ObjectBelief* box) {
+                  return DistanceTo(table.CenterOf(i), *box, "tea_box") < 0.01;
+                })))
+        << i;
+  }
+}
+
+TEST(SceneUnderstanding, TellsThingsApartInTheViewsFromBeforeTheirModelWasKnown) {
+  const world::ObjectDatabase tea = Shipped({"tea_box"});
+  const double half = 0.5 * geometry::Bounds(tea.models()[0].mesh).sizes().x();
+  Table table({Known("tea_box", -half, 0.0, 0.0), Known("tea_box", half, 0.0, 180.0)});
+  SceneUnderstanding understanding({}, {}, Shipped({"mug"}));
+  ASSERT_EQ(understanding.Add(table.From(-70.0)), "");
+  ASSERT_EQ(understanding.belief().objects.size(), 1U);
+  understanding.Learn(tea.models()[0]);
+  ASSERT_EQ(understanding.Add(table.From(110.0)), "");
+  const auto boxes = Verified(understanding, "tea_box");
+  ASSERT_EQ(boxes.size(), 2U);
+  for (const ObjectBelief* box : boxes) {
+    EXPECT_EQ(box->sightings.size(), 2U) << "one in each view";
+    EXPECT_LT(box->extent_W.sizes().x(), 3.0 * half);
+  }
 }
 
 TEST(SceneUnderstanding, UnlearnsThePlaceOfWhatWasMovedBetweenLooks) {

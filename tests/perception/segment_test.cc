@@ -209,6 +209,92 @@ TEST(Segment, TakesTheFarTableAndNotTheNearerTopOfALowerCrate) {
   }
 }
 
+/// Which of the result's planes is at `height`; -1: none.
+int PlaneAt(const Segmentation& result, double height) {
+  const std::vector<world::SupportPlane> planes = result.Planes();
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    if (std::abs(planes[k].offset - height) < 0.005) return static_cast<int>(k);
+  }
+  return -1;
+}
+
+/// Which plane the cluster nearest to `p` stands on.
+int PlaneOfThingAt(const Segmentation& result, const Vector3d& p) {
+  int plane = -1;
+  double nearest = 0.07;
+  for (std::size_t i = 0; i < result.clusters.size(); ++i) {
+    const double distance = (result.clusters[i].center_C - SceneCloud::Rotated(p)).norm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    plane = result.stands_on[i];
+  }
+  return plane;
+}
+
+TEST(Segment, FindsTwoTablesAndAShelfAndWhatStandsOnEach) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Rectangle({1.55, -0.4, -0.65}, {0.5, 0, 0}, {0, 0.8, 0});  // a lower table behind it
+  scene.Rectangle({1.15, 0.0, -0.2}, {0.25, 0, 0}, {0, 0.4, 0});   // a shelf over the table
+  scene.Box({0.95, -0.2, -0.5}, {0.1, 0.1, 0.15});
+  scene.Box({1.7, 0.1, -0.65}, {0.1, 0.1, 0.12});
+  scene.Box({1.25, 0.2, -0.2}, {0.08, 0.08, 0.1});
+  const Segmentation result = Segment(scene.cloud(), kUp, {}, 0.9);
+  EXPECT_EQ(result.further.size(), 2U);
+  const int table = PlaneAt(result, -0.5);
+  const int lower = PlaneAt(result, -0.65);
+  const int shelf = PlaneAt(result, -0.2);
+  EXPECT_EQ(table, 0);
+  ASSERT_GT(lower, 0);
+  ASSERT_GT(shelf, 0);
+  EXPECT_EQ(PlaneOfThingAt(result, {0.93, -0.2, -0.4}), table);
+  EXPECT_EQ(PlaneOfThingAt(result, {1.68, 0.1, -0.57}), lower);
+  EXPECT_EQ(PlaneOfThingAt(result, {1.23, 0.2, -0.13}), shelf);
+  const world::SupportPlane& patch = result.Planes()[static_cast<std::size_t>(lower)];
+  EXPECT_NEAR((patch.corners_A[1] - patch.corners_A[0]).norm() +
+                  (patch.corners_A[2] - patch.corners_A[1]).norm(),
+              0.5 + 0.8, 0.04);
+}
+
+TEST(Segment, TakesTheLowestOfSeveralPlanesForTheFloorWhereTheHeightIsNotKnown) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Rectangle({1.55, -0.4, -0.65}, {0.5, 0, 0}, {0, 0.8, 0});
+  const Segmentation result = Segment(scene.cloud(), kUp, {});
+  EXPECT_EQ(PlaneAt(result, -0.5), 0);
+  EXPECT_EQ(PlaneAt(result, -0.65), 1);
+  EXPECT_EQ(PlaneAt(result, -1.2), -1);
+}
+
+TEST(Segment, TellsWhatStandsOnALargeBoxFromTheBox) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Box({1.1, 0.0, -0.5}, {0.3, 0.3, 0.2}).Box({1.1, 0.0, -0.3}, {0.08, 0.08, 0.08});
+  const Segmentation result = Segment(scene.cloud(), kUp, {}, 0.9);
+  ASSERT_EQ(result.clusters.size(), 2U);
+  EXPECT_EQ(result.stands_on[0], 0) << "the box is still a thing on the table";
+  EXPECT_EQ(result.stands_on[1], PlaneAt(result, -0.3));
+}
+
+TEST(PutFirst, KeepsToTheTableThatIsKnownAlready) {
+  SceneCloud scene = TableWithFloorAndWall();
+  scene.Rectangle({1.5, -0.6, -0.65}, {0.55, 0, 0}, {0, 1.2, 0});
+  scene.Box({1.0, 0.0, -0.5}, {0.1, 0.1, 0.1});
+  Segmentation result = Segment(scene.cloud(), kUp, {}, 0.9);
+  ASSERT_EQ(PlaneAt(result, -0.65), 0) << "the larger";
+  Pose X_WC = Pose::Identity();
+  X_WC.linear().col(0) = -Vector3d::UnitY();
+  X_WC.linear().col(1) = -Vector3d::UnitZ();
+  X_WC.linear().col(2) = Vector3d::UnitX();
+  world::SupportPlane known_W;
+  known_W.offset = -0.49;
+  PutFirst(known_W, X_WC, &result);
+  EXPECT_EQ(PlaneAt(result, -0.5), 0);
+  EXPECT_EQ(PlaneAt(result, -0.65), 1);
+  ASSERT_EQ(result.clusters.size(), 1U);
+  EXPECT_EQ(result.stands_on[0], 0);
+  known_W.offset = -0.3;  // none is there
+  PutFirst(known_W, X_WC, &result);
+  EXPECT_EQ(PlaneAt(result, -0.5), 0);
+}
+
 TEST(Segment, SaysWhyThereIsNoPlaneWhereThereIsOnlyAWall) {
   SceneCloud scene;
   scene.Rectangle({1.5, -1.0, -1.0}, {0, 2.0, 0}, {0, 0, 2.0});
