@@ -72,6 +72,8 @@ class SceneUnderstanding {
                  const world::SupportPlane& plane_C, const Pose& X_WC);
   Matched MatchClusters(std::vector<world::Cluster> clusters, const cv::Mat& depth,
                         const hal::CameraModel& camera, const Pose& X_WC);
+  bool AreOneModel(const world::ObjectBelief& a, const world::ObjectBelief& b) const;
+  bool IsPartOf(const world::ObjectBelief& object, const world::ObjectBelief& whole) const;
   void MergeDuplicates();
   std::vector<world::Detection> Recognise(const Matched& matched) const;
   int MergedObject(const std::vector<int>& ids);
