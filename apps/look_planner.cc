@@ -59,9 +59,8 @@ LookPlanner::LookPlanner(const LookConfig& config, const fusion::ConcludeConfig&
 }
 
 std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene,
-                                                 const world::Task& task,
-                                                 const Question& question, const Stance& stance,
-                                                 Rng* rng) {
+                                                 const world::Task& task, const Question& question,
+                                                 const Stance& stance, Rng* rng) {
   const world::SupportPlane& plane_W = *scene.belief().plane_W;
   const std::vector<world::SupportPlane> supports_W{plane_W};
   Vector3d center_W = Vector3d::Zero();
@@ -75,17 +74,23 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
   const planning::Reach reach{collision, routes, stance.head};
 
   std::vector<planning::AspectTarget> targets;
-  for (const ObjectBelief* object : question.open) targets.push_back(TargetFor(scene, task, *object));
+  for (const ObjectBelief* object : question.open)
+    targets.push_back(TargetFor(scene, task, *object));
   for (const auto& box_W : question.hidden_W) targets.push_back(TargetFor(scene, box_W));
 
   std::vector<world::Look> looks;
   std::vector<int> target_of;  // one a look
   for (int t = 0; t < static_cast<int>(targets.size()); ++t) {
-    planning::AspectGraph graph = planning::ScoreAspectGraph(
-        scene.space(), carrier_.camera.model, targets[t],
-        planning::CandidateViews(targets[t].box_W.center(), targets[t].id, carrier_, reach,
-                                 config_.views),
-        rng, config_.aspect_graph);
+    const int id = targets[t].id;
+    const Eigen::AlignedBox3d& box_W = targets[t].box_W;
+    std::vector<world::Look> views =
+        planning::CandidateViews(box_W.center(), id, carrier_, reach, config_.views);
+    for (world::Look& view : planning::PlacedViews(box_W, id, carrier_, reach, config_.views)) {
+      views.push_back(std::move(view));
+    }
+    planning::AspectGraph graph =
+        planning::ScoreAspectGraph(scene.space(), carrier_.camera.model, targets[t],
+                                   std::move(views), rng, config_.aspect_graph);
     for (world::Look& look : graph.looks) {
       look.kind = targets[t].id < 0 ? "hidden_space" : "aspect_graph";
       looks.push_back(std::move(look));
@@ -140,8 +145,7 @@ void LookPlanner::AddGainsBeside(const world::VoxelSpace& space,
 }
 
 planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
-                                              const world::Task& task,
-                                              const ObjectBelief& object) {
+                                              const world::Task& task, const ObjectBelief& object) {
   planning::AspectTarget target;
   target.id = object.id;
   target.box_W = object.extent_W;

@@ -29,6 +29,7 @@ constexpr Experiment kExperiments[] = {
     {"confirmation", RunConfirmationExperiment, 200, 0},
     {"occlusion", RunOcclusionExperiment, 200, 0},
     {"ambiguity", RunAmbiguityExperiment, 200, 0},
+    {"rejection", RunRejectionExperiment, 200, 0},
 };
 
 /// The names of all, in words.

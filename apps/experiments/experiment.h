@@ -83,5 +83,9 @@ void RunOcclusionExperiment(const ExperimentOptions& options);
 /// … that has a twin, from which the first view cannot tell it.
 /// @throws ConfigError when the models do not have the twins, too.
 void RunAmbiguityExperiment(const ExperimentOptions& options);
+/// Beside the paper: whether things that are in no database, for which the first view has a
+/// hypothesis, are called unknown, and true ones are not.
+/// @throws ConfigError without unfamiliar objects, too.
+void RunRejectionExperiment(const ExperimentOptions& options);
 
 }  // namespace secondlook::apps

@@ -59,8 +59,9 @@ Json Follow(const std::string& chooser, int looks, LookTrial* trial) {
     const Finding finding = trial->Judge(trial->After(stances));
     course["findings"].push_back(ToJson(finding));
     course["stances"].push_back(ToJson(stances.back()));
-    if (!finding.verified) continue;
-    if (finding.right) course["seconds"] = std::min(seconds, kBudgetSeconds);
+    if (!finding.verified && !finding.unknown) continue;
+    if (finding.right || (finding.unknown && !trial->IsKnown()))
+      course["seconds"] = std::min(seconds, kBudgetSeconds);
     break;
   }
   return course;
@@ -86,14 +87,15 @@ Json FollowOracle(const std::function<bool(const Stance&, const Finding&)>& good
 }
 
 std::vector<world::Look> PossibleLooks(LookTrial* trial) {
-  std::vector<world::Look> looks = trial->Candidates(trial->start(), "nearest");
-  std::erase_if(looks, [](const world::Look& look) { return !look.feasible; });
+  std::vector<world::Look> looks = trial->Candidates(trial->start(), kOurs);
+  std::erase_if(looks, [](const world::Look& look) { return look.path_W.empty(); });
   return looks;
 }
 
 Json ToJson(const Finding& finding) {
   return {{"verified", finding.verified},
           {"right", finding.right},
+          {"unknown", finding.unknown},
           {"beliefs", Json(finding.beliefs)},
           {"reason", finding.reason}};
 }
@@ -112,6 +114,11 @@ std::vector<Json> Begun(const std::vector<Json>& trials) {
     if (trial.contains("courses")) begun.push_back(trial);
   }
   return begun;
+}
+
+Json LastFinding(const Json& course) {
+  const Json& findings = course.at("findings");
+  return findings.empty() ? Json(nullptr) : findings.back();
 }
 
 void AddShares(const std::string& metric, const std::vector<Json>& trials,
@@ -144,8 +151,8 @@ void AddSeconds(const std::vector<Json>& trials, std::vector<Row>* rows) {
 }
 
 Row StartRow(const std::vector<Json>& trials) {
-  return {"trials that found a start", Proportion(static_cast<int>(Begun(trials).size()),
-                                                  static_cast<int>(trials.size()))};
+  return {"trials that found a start",
+          Proportion(static_cast<int>(Begun(trials).size()), static_cast<int>(trials.size()))};
 }
 
 }  // namespace secondlook::apps

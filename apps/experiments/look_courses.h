@@ -24,8 +24,9 @@ constexpr const char* kOracle = "oracle";
 bool BeginWhere(const std::function<bool(const Stance&, const Finding&)>& acceptable,
                 double azimuth, double spread, LookTrial* trial, Rng* rng);
 
-/// Up to `looks` looks as `chooser` says, until the object is verified: `findings`, one a look,
-/// `stances`, and `seconds` of robot time.
+/// Up to `looks` looks as `chooser` says, until the object is verified or called unknown:
+/// `findings`, one a look, `stances`, and `seconds` of robot time: the budget unless that ends as
+/// `trial` really is.
 nlohmann::ordered_json Follow(const std::string& chooser, int looks, LookTrial* trial);
 
 /// The course of one look that `good` says is right, the soonest of all that are possible.
@@ -45,6 +46,9 @@ using Measure = std::function<double(const nlohmann::ordered_json& course)>;
 
 /// The trials that found a start.
 std::vector<nlohmann::ordered_json> Begun(const std::vector<nlohmann::ordered_json>& trials);
+
+/// The course's last finding; null when no look was possible.
+nlohmann::ordered_json LastFinding(const nlohmann::ordered_json& course);
 
 /// For each chooser, and the oracle where there is one, the share of the begun trials in which
 /// `holds` is not 0. Ours has the paper's figure, and the paper's method as its baseline.

@@ -33,7 +33,8 @@ std::string KeyOf(const std::vector<Stance>& stances) {
 LookConfig ConfigOf(const std::string& chooser) {
   LookConfig config;
   config.aspect_graph.strategy = chooser;
-  config.aspect_graph.fixed_step_deg = 120.0;  // round the object in three steps
+  config.aspect_graph.fixed_step_deg = 120.0;      // round the object in three steps
+  if (chooser == kPaper) config.views.placed = 0;  // its 38 poses alone
   return config;
 }
 
@@ -44,9 +45,6 @@ LookTrial::LookTrial(const sim::Scene& scene, int target, const SceneUnderstandi
     : target_(target), blank_(blank), task_(task), seed_(seed), camera_(scene, seed) {
   const hal::Robot& robot = camera_.robot().robot;
   carrier_ = {robot.base->info(), robot.head->info(), camera_.robot().calibration, camera_.info()};
-  for (const char* chooser : kChoosers) {
-    planners_.try_emplace(chooser, ConfigOf(chooser), fusion::ConcludeConfig(), carrier_);
-  }
 }
 
 Stance LookTrial::Facing(double azimuth, double distance) const {
@@ -62,7 +60,7 @@ Stance LookTrial::Facing(double azimuth, double distance) const {
 void LookTrial::Begin(const Stance& stance) {
   known_.clear();
   found_.clear();
-  known_.try_emplace("", Extended({blank_, {}, stance, ""}, stance));
+  known_.try_emplace("", Extended({blank_, {}, stance, "", {}}, stance));
 }
 
 const Knowledge& LookTrial::After(const std::vector<Stance>& stances) {
@@ -83,7 +81,7 @@ Finding LookTrial::FindingAfter(const Stance& stance) {
 Finding LookTrial::FindingIn(const Stance& stance) {
   const std::string key = "alone: " + KeyOf({stance});
   if (const auto found = found_.find(key); found != found_.end()) return found->second;
-  return found_[key] = Judge(Extended({blank_, {}, stance, ""}, stance));
+  return found_[key] = Judge(Extended({blank_, {}, stance, "", {}}, stance));
 }
 
 Finding LookTrial::Judge(const Knowledge& knowledge) const {
@@ -96,27 +94,36 @@ Finding LookTrial::Judge(const Knowledge& knowledge) const {
     finding.beliefs[name] = fusion::NormalisedBelief(belief->masses, name);
   }
   finding.verified = belief->state == ObjectState::kVerified;
+  finding.unknown = belief->state == ObjectState::kUnknown;
   finding.candidate = !belief->Settled() && belief->Best() != nullptr;
-  finding.right = finding.verified && belief->Best()->model == object().name &&
-                  PoseIsRight(knowledge, *belief);
+  finding.right =
+      finding.verified && belief->Best()->model == object().name && PoseIsRight(knowledge, *belief);
   return finding;
 }
 
 std::vector<world::Look> LookTrial::Candidates(const Knowledge& knowledge,
-                                               const std::string& chooser) {
+                                               const std::string& chooser) const {
   const ObjectBelief* target = Target(knowledge);
   if (target == nullptr) return {};
   Question question;
   question.open = {target};
-  Rng rng(ForkSeed(seed_, fmt::format("{} after {} views", chooser, knowledge.true_X_WC.size())));
-  std::vector<world::Look> looks = planners_.at(chooser).Candidates(
-      knowledge.scene, task_, question, knowledge.stance, &rng);
+  LookPlanner planner(ConfigOf(chooser), fusion::ConcludeConfig(), carrier_);
+  for (const Vector3d& p_WC : knowledge.vain_views_W) planner.NoteVain(p_WC);
+  Rng rng(ForkSeed(
+      seed_, fmt::format("{} after {} views", chooser,
+                         knowledge.scene.belief().views.size() + knowledge.vain_views_W.size())));
+  std::vector<world::Look> looks =
+      planner.Candidates(knowledge.scene, task_, question, knowledge.stance, &rng);
   planning::ChooseLook(&looks);
   return looks;
 }
 
 double LookTrial::VisibleShare(const Stance& stance) {
   return camera_.VisibleShares(Look(stance).photo)[target_];
+}
+
+bool LookTrial::IsKnown() const {
+  return perception::FindModel(blank_.models(), object().name) != nullptr;
 }
 
 /// What the robot sees when it believes to stand at `stance`.
@@ -136,8 +143,8 @@ LookTrial::Sight LookTrial::Look(const Stance& stance) {
   const Pose X_WB = ToPose(stance.X_WB);
   sight.capture.frame = sight.photo.frame;
   sight.capture.camera = camera_.info().model;
-  sight.capture.X_WC = X_WB * kinematics::CameraInBase(
-                                  carrier_.head, {stance.head.pan, stance.head.tilt});
+  sight.capture.X_WC =
+      X_WB * kinematics::CameraInBase(carrier_.head, {stance.head.pan, stance.head.tilt});
   sight.capture.p_CB_W = X_WB.translation() - sight.capture.X_WC.translation();
   return sight;
 }
@@ -146,7 +153,11 @@ Knowledge LookTrial::Extended(Knowledge knowledge, const Stance& stance) {
   const Sight sight = Look(stance);
   knowledge.stance = stance;
   knowledge.vain = knowledge.scene.Add(sight.capture);
-  if (knowledge.vain.empty()) knowledge.true_X_WC.push_back(sight.photo.X_WC);
+  if (knowledge.vain.empty()) {
+    knowledge.true_X_WC.push_back(sight.photo.X_WC);
+  } else {
+    knowledge.vain_views_W.push_back(sight.capture.X_WC.translation());
+  }
   return knowledge;
 }
 
@@ -158,8 +169,8 @@ const ObjectBelief* LookTrial::Target(const Knowledge& knowledge) const {
   for (const ObjectBelief& belief : knowledge.scene.belief().objects) {
     if (belief.state == ObjectState::kRejected || belief.sightings.empty()) continue;
     const int view = belief.sightings.back().view;
-    const Pose X_BelievedW = knowledge.scene.belief().views[view].X_WC *
-                             knowledge.true_X_WC[view].inverse();
+    const Pose X_BelievedW =
+        knowledge.scene.belief().views[view].X_WC * knowledge.true_X_WC[view].inverse();
     const double distance = (belief.extent_W.center() - X_BelievedW * p_WO).norm();
     if (distance >= least) continue;
     least = distance;

@@ -22,16 +22,18 @@ constexpr const char* kOurs = "expected loss";
 /// What is known after some views.
 struct Knowledge {
   SceneUnderstanding scene;
-  std::vector<Pose> true_X_WC;  ///< Of the camera, one a view of scene.belief().
-  Stance stance;                ///< Of the last view.
-  std::string vain;             ///< Why that taught nothing; empty when it did.
+  std::vector<Pose> true_X_WC;                ///< Of the camera, one a view of scene.belief().
+  Stance stance;                              ///< Of the last view.
+  std::string vain;                           ///< Why that taught nothing; empty when it did.
+  std::vector<Eigen::Vector3d> vain_views_W;  ///< Where the camera was in views that did not.
 };
 
 /// What is known of the object that a trial is about.
 struct Finding {
-  bool candidate{};      ///< Open, with a hypothesis.
-  bool verified{};       ///< Rightly or wrongly.
-  bool right{};          ///< Verified by its true name, within 10 mm and 5 degrees.
+  bool candidate{};  ///< Open, with a hypothesis.
+  bool verified{};   ///< Rightly or wrongly.
+  bool unknown{};    ///< Settled: nothing that is known fits.
+  bool right{};      ///< Verified by its true name, within 10 mm and 5 degrees.
   std::map<std::string, double> beliefs;  ///< By class.
   std::string reason;  ///< Why it is in its state, or why the last view taught nothing.
 
@@ -70,10 +72,13 @@ class LookTrial {
 
   /// The candidates as `chooser` scores them, one of them chosen if any is possible; none when
   /// nothing is believed to be where the object is.
-  std::vector<world::Look> Candidates(const Knowledge& knowledge, const std::string& chooser);
+  std::vector<world::Look> Candidates(const Knowledge& knowledge, const std::string& chooser) const;
 
   /// The share of the object's silhouette that a view from `stance` shows.
   double VisibleShare(const Stance& stance);
+
+  /// Whether a model of the object is known.
+  bool IsKnown() const;
 
   const sim::PlacedObject& object() const { return camera_.world().objects()[target_]; }
 
@@ -94,9 +99,8 @@ class LookTrial {
   std::uint64_t seed_;
   FreeCamera camera_;
   planning::CameraCarrier carrier_;
-  std::map<std::string, LookPlanner> planners_;   // by chooser
-  std::map<std::string, Knowledge> known_;        // by the stances after the first
-  std::map<std::string, Finding> found_;          // likewise
+  std::map<std::string, Knowledge> known_;  // by the stances after the first
+  std::map<std::string, Finding> found_;    // likewise
 };
 
 /// The look that is chosen; null when none is.

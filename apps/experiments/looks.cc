@@ -39,6 +39,7 @@ sim::Scene OnPlinth(std::vector<sim::SceneObject> objects, double size = 0.5) {
 /// What all trials of one experiment share.
 struct Setting {
   std::vector<sim::SceneObject> things;
+  std::vector<sim::SceneObject> impostors;  // that no model is known of
   SceneUnderstanding blank;
 };
 
@@ -48,7 +49,8 @@ using RunTrial = std::function<Json(int t, const Setting& setting, std::uint64_t
 void Run(const std::string& name, const ExperimentOptions& options, const RunTrial& trial,
          const std::function<std::vector<Row>(const std::vector<Json>&)>& summarise) {
   const auto database = world::ObjectDatabase::Load(options.models);
-  const Setting setting{LoadRepertoire(options.models, "").known, {{}, {}, database}};
+  const Repertoire repertoire = LoadRepertoire(options.models, options.unfamiliar);
+  const Setting setting{repertoire.known, repertoire.unknown, {{}, {}, database}};
   RunTrials(
       name, options,
       [&](int t) {
@@ -83,9 +85,14 @@ double RightAfter(const Json& course, std::size_t looks) {
   return 0.0;
 }
 
+/// The last finding is `key`.
+double Ends(const Json& course, const char* key) {
+  const Json last = LastFinding(course);
+  return !last.is_null() && last.at(key).get<bool>() ? 1.0 : 0.0;
+}
+
 double Wrong(const Json& course) {
-  const Json& findings = course.at("findings");
-  return !findings.empty() && findings.back().at("verified") && !findings.back().at("right");
+  return Ends(course, "verified") * (1.0 - Ends(course, "right"));
 }
 
 // Experiment 1: an object that the start shows badly.
@@ -97,8 +104,8 @@ Json Unobstructed(int, const Setting& setting, std::uint64_t seed, Rng* rng) {
   const auto poor = [](const Stance&, const Finding& finding) { return finding.candidate; };
   if (!BeginWhere(poor, 0.0, kPi, &trial, rng)) return result;
   FollowAll(2, &trial, &result);
-  result["courses"][kOracle] = FollowOracle(
-      [](const Stance&, const Finding& finding) { return finding.right; }, &trial);
+  result["courses"][kOracle] =
+      FollowOracle([](const Stance&, const Finding& finding) { return finding.right; }, &trial);
   return result;
 }
 
@@ -161,8 +168,9 @@ std::vector<Row> SummariseConfirmation(const std::vector<Json>& trials) {
     return [name](const Json& course) { return course.at(name).get<double>(); };
   };
   AddShares("confirmed again", trials, 1.0, key("confirmed"), &rows);
-  AddShares("probability rose", trials, 0.6,
-            [](const Json& course) { return course.at("rise") > 0.0 ? 1.0 : 0.0; }, &rows);
+  AddShares(
+      "probability rose", trials, 0.6,
+      [](const Json& course) { return course.at("rise") > 0.0 ? 1.0 : 0.0; }, &rows);
   for (const char* chooser : kChoosers) {
     std::vector<double> rises;
     std::vector<double> best;
@@ -173,8 +181,8 @@ std::vector<Row> SummariseConfirmation(const std::vector<Json>& trials) {
     Row mean{fmt::format("mean rise of the probability, {}", chooser), Mean(rises)};
     if (chooser == std::string(kOurs)) mean.paper = 0.0365;
     rows.push_back(mean);
-    rows.push_back({fmt::format("share of the oracle's rise, {}", chooser),
-                    BootstrappedRatio(rises, best)});
+    rows.push_back(
+        {fmt::format("share of the oracle's rise, {}", chooser), BootstrappedRatio(rises, best)});
   }
   AddSeconds(trials, &rows);
   return rows;
@@ -222,9 +230,8 @@ Json Occlusion(int, const Setting& setting, std::uint64_t seed, Rng* rng) {
   LookTrial empty(OnPlinth({object}, 0.7), 0, setting.blank, {}, seed);
   empty.Begin(trial.start().stance);
   const auto without = empty.Candidates(empty.start(), kOurs);
-  const Json there = ChosenOf(without) == nullptr
-                         ? Json(nullptr)
-                         : ToJson(StanceOf(*ChosenOf(without)));
+  const Json there =
+      ChosenOf(without) == nullptr ? Json(nullptr) : ToJson(StanceOf(*ChosenOf(without)));
   const Json& ours = result["courses"][kOurs]["stances"];
   result["moves elsewhere"] = ours.empty() || there.is_null() || ours[0] != there;
   return result;
@@ -232,8 +239,9 @@ Json Occlusion(int, const Setting& setting, std::uint64_t seed, Rng* rng) {
 
 std::vector<Row> SummariseOcclusion(const std::vector<Json>& trials) {
   std::vector<Row> rows{StartRow(trials)};
-  AddShares("avoids the occluder", trials, {},
-            [](const Json& course) { return course.at("avoids").get<double>(); }, &rows);
+  AddShares(
+      "avoids the occluder", trials, {},
+      [](const Json& course) { return course.at("avoids").get<double>(); }, &rows);
   AddShares(
       "avoids the occluder and recognises", trials, 17.0 / 20.0,
       [](const Json& course) { return course.at("avoids").get<double>() * RightAfter(course, 1); },
@@ -265,9 +273,10 @@ Json Ambiguity(int t, const Setting& setting, std::uint64_t seed, Rng* rng) {
   const auto object = std::find_if(setting.things.begin(), setting.things.end(),
                                    [&](const sim::SceneObject& o) { return o.name == truth; });
   if (object == setting.things.end()) {
-    Throw<ConfigError>("experiment ambiguity: there is no '{}' among the models; it needs {}, {}, "
-                       "{} and {}, which sim/models has",
-                       truth, kTwins[0].one, kTwins[0].other, kTwins[1].one, kTwins[1].other);
+    Throw<ConfigError>(
+        "experiment ambiguity: there is no '{}' among the models; it needs {}, {}, "
+        "{} and {}, which sim/models has",
+        truth, kTwins[0].one, kTwins[0].other, kTwins[1].one, kTwins[1].other);
   }
   LookTrial trial(OnPlinth({Turned(*object, 0.0, 0.0, rng)}), 0, setting.blank, {}, seed);
   Json result = NewResult(trial);
@@ -290,13 +299,15 @@ Json Ambiguity(int t, const Setting& setting, std::uint64_t seed, Rng* rng) {
 
 std::vector<Row> SummariseAmbiguity(const std::vector<Json>& trials) {
   std::vector<Row> rows{StartRow(trials)};
-  AddShares("sure of one of the two after one look", trials, {},
-            [](const Json& course) {
-              return std::max(course.at("right"), course.at("wrong")) >= kSure ? 1.0 : 0.0;
-            },
-            &rows);
-  AddShares("sure of the wrong one", trials, {},
-            [](const Json& course) { return course.at("wrong") >= kSure ? 1.0 : 0.0; }, &rows);
+  AddShares(
+      "sure of one of the two after one look", trials, {},
+      [](const Json& course) {
+        return std::max(course.at("right"), course.at("wrong")) >= kSure ? 1.0 : 0.0;
+      },
+      &rows);
+  AddShares(
+      "sure of the wrong one", trials, {},
+      [](const Json& course) { return course.at("wrong") >= kSure ? 1.0 : 0.0; }, &rows);
   for (const char* chooser : kChoosers) {
     std::vector<double> shares;
     for (const Json& trial : Begun(trials)) {
@@ -313,7 +324,49 @@ std::vector<Row> SummariseAmbiguity(const std::vector<Json>& trials) {
   return rows;
 }
 
+// Beside the paper: things that are in no database, and true ones, as the first view mistakes them.
+
+Json Rejection(int t, const Setting& setting, std::uint64_t seed, Rng* rng) {
+  const bool impostor = t % 2 == 0;
+  const auto& pool = impostor ? setting.impostors : setting.things;
+  if (pool.empty()) {
+    Throw<ConfigError>(
+        "experiment rejection: there is no unfamiliar object; name their folder "
+        "with --unfamiliar");
+  }
+  const sim::SceneObject object = DrawObjects(pool, 1, rng).at(0);
+  LookTrial trial(OnPlinth({Turned(object, 0.0, 0.0, rng)}), 0, setting.blank, {}, seed);
+  Json result = NewResult(trial);
+  result["impostor"] = impostor;
+  const auto open = [](const Stance&, const Finding& finding) { return finding.candidate; };
+  if (!BeginWhere(open, 0.0, kPi, &trial, rng)) return result;
+  FollowAll(3, &trial, &result);
+  return result;
+}
+
+std::vector<Row> SummariseRejection(const std::vector<Json>& trials) {
+  std::vector<Json> impostors;
+  std::vector<Json> true_ones;
+  for (const Json& trial : trials) {
+    (trial.at("impostor").get<bool>() ? impostors : true_ones).push_back(trial);
+  }
+  std::vector<Row> rows{StartRow(trials)};
+  const auto ends = [](const char* key) {
+    return [key](const Json& course) { return Ends(course, key); };
+  };
+  AddShares("impostors called unknown", impostors, {}, ends("unknown"), &rows);
+  AddShares("impostors verified", impostors, {}, ends("verified"), &rows);
+  AddShares("true objects called unknown", true_ones, {}, ends("unknown"), &rows);
+  AddShares("true objects verified rightly", true_ones, {}, ends("right"), &rows);
+  AddSeconds(trials, &rows);
+  return rows;
+}
+
 }  // namespace
+
+void RunRejectionExperiment(const ExperimentOptions& options) {
+  Run("rejection", options, Rejection, SummariseRejection);
+}
 
 void RunUnobstructedExperiment(const ExperimentOptions& options) {
   Run("unobstructed", options, Unobstructed, SummariseUnobstructed);

@@ -65,9 +65,9 @@ std::vector<double> GainsLookingAhead(const Belief& prior, const std::vector<Loo
     for (const int second : seconds) {
       const Sequel sequel = after(first, second);
       if (second == first || !(sequel.share > 0.0)) continue;
-      const double gain = GainOfTwo(prior, outcomes[first], options[first].seconds,
-                                    Weakened(options[second].prospects, sequel.share),
-                                    sequel.seconds, loss);
+      const double gain =
+          GainOfTwo(prior, outcomes[first], options[first].seconds,
+                    Weakened(options[second].prospects, sequel.share), sequel.seconds, loss);
       gains[first] = std::max(gains[first], gain);
     }
     best = std::max(best, gains[first]);

@@ -9,7 +9,7 @@ namespace secondlook::planning {
 
 /// A look that may be taken.
 struct LookOption {
-  double seconds{};                  ///< It takes, > 0.
+  double seconds{};                 ///< It takes, > 0.
   std::vector<Prospect> prospects;  ///< What it may show.
 };
 

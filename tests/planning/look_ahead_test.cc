@@ -44,8 +44,7 @@ TEST(LookAhead, FindsTwoLooksOfWhichNeitherSettlesAnythingByItself) {
 TEST(LookAhead, IsOfNoUseWhereOneLookSettlesAll) {
   const LookOption both = TellsGroup(2, 0, 0, 10.0);
   const auto near = [](int, int) { return Sequel{1.0, 1.0}; };
-  const std::vector<double> gains =
-      GainsLookingAhead(Even(2), {both, both}, near, kLoss, kConfig);
+  const std::vector<double> gains = GainsLookingAhead(Even(2), {both, both}, near, kLoss, kConfig);
   EXPECT_NEAR(gains[0], 0.1, 1e-6);
 }
 
