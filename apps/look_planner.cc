@@ -50,9 +50,12 @@ Eigen::AlignedBox3d PlacedBox(const geometry::Mesh& mesh, const Pose& X_WM) {
   return box_W;
 }
 
-LookPlanner::LookPlanner(const LookConfig& config, const fusion::ConcludeConfig& conclude,
+LookPlanner::LookPlanner(const LookConfig& config, const UnderstandingConfig& understanding,
                          planning::CameraCarrier carrier)
-    : config_(config), conclude_(conclude), carrier_(std::move(carrier)) {
+    : config_(config),
+      conclude_(understanding.conclude),
+      registration_(understanding.registration),
+      carrier_(std::move(carrier)) {
   config_.cost_map.Validate();
   config_.views.Validate();
   config_.aspect_graph.Validate();
@@ -78,6 +81,9 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
     targets.push_back(TargetFor(scene, task, *object));
   for (const auto& box_W : question.hidden_W) targets.push_back(TargetFor(scene, box_W));
 
+  const bool by_loss = planning::ParseLookStrategy(config_.aspect_graph.strategy) ==
+                       planning::LookStrategy::kExpectedLoss;
+  const planning::CommonGround ground(scene.reference().Points(), registration_);
   std::vector<world::Look> looks;
   std::vector<int> target_of;  // one a look
   for (int t = 0; t < static_cast<int>(targets.size()); ++t) {
@@ -93,19 +99,33 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
                                    std::move(views), rng, config_.aspect_graph);
     for (world::Look& look : graph.looks) {
       look.kind = targets[t].id < 0 ? "hidden_space" : "aspect_graph";
+      if (by_loss && look.feasible) WeighByCommonGround(ground, &look);
       looks.push_back(std::move(look));
       target_of.push_back(t);
     }
   }
-  if (planning::ParseLookStrategy(config_.aspect_graph.strategy) ==
-      planning::LookStrategy::kExpectedLoss) {
-    AddGainsBeside(scene.space(), targets, target_of, &looks);
-  }
+  if (by_loss) AddGainsBeside(scene.space(), ground, targets, target_of, &looks);
   return looks;
+}
+
+/// A view that cannot be registered to the map brings nothing.
+void LookPlanner::WeighByCommonGround(const planning::CommonGround& ground,
+                                      world::Look* look) const {
+  const double chance = ground.Chance(look->X_WC, carrier_.camera);
+  if (chance == 1.0) return;
+  look->checks.push_back(
+      {"common ground", true,
+       fmt::format("{:.0f} pairs with the map of the {} that registration wants: "
+                   "gain {:.3g} with a chance of {:.2f}",
+                   ground.Pairs(look->X_WC, carrier_.camera), registration_.min_pairs, look->gain,
+                   chance)});
+  look->gain *= chance;
+  look->score *= chance;
 }
 
 /// A look shows more than it is for: adds to the best few what they bring to the other targets.
 void LookPlanner::AddGainsBeside(const world::VoxelSpace& space,
+                                 const planning::CommonGround& ground,
                                  const std::vector<planning::AspectTarget>& targets,
                                  const std::vector<int>& target_of,
                                  std::vector<world::Look>* looks) const {
@@ -136,6 +156,7 @@ void LookPlanner::AddGainsBeside(const world::VoxelSpace& space,
   for (std::size_t k = 0; k < best.size(); ++k) {
     if (!(beside[k] > 0.0)) continue;
     world::Look& look = (*looks)[best[k]];
+    beside[k] *= ground.Chance(look.X_WC, carrier_.camera);
     look.checks.push_back({"sees beside", true,
                            fmt::format("gain {:.3g} at the target and {:.3g} at other things",
                                        look.gain, beside[k])});

@@ -12,7 +12,9 @@
 #include "lib/common/rng.h"
 #include "lib/fusion/conclude.h"
 #include "lib/geometry/ray_caster.h"
+#include "lib/perception/register_view.h"
 #include "lib/planning/aspect_graph.h"
+#include "lib/planning/common_ground.h"
 #include "lib/planning/views.h"
 #include "lib/world/look.h"
 #include "lib/world/object_belief.h"
@@ -43,7 +45,7 @@ struct Question {
 class LookPlanner {
  public:
   /// @throws ConfigError when `config` holds a value that is not valid.
-  LookPlanner(const LookConfig& config, const fusion::ConcludeConfig& conclude,
+  LookPlanner(const LookConfig& config, const UnderstandingConfig& understanding,
               planning::CameraCarrier carrier);
 
   /// Something stands around this point of the floor that the map does not show.
@@ -63,13 +65,15 @@ class LookPlanner {
                                    const world::ObjectBelief& object);
   planning::AspectTarget TargetFor(const SceneUnderstanding& scene,
                                    const Eigen::AlignedBox3d& hidden_W) const;
-  void AddGainsBeside(const world::VoxelSpace& space,
+  void WeighByCommonGround(const planning::CommonGround& ground, world::Look* look) const;
+  void AddGainsBeside(const world::VoxelSpace& space, const planning::CommonGround& ground,
                       const std::vector<planning::AspectTarget>& targets,
                       const std::vector<int>& target_of, std::vector<world::Look>* looks) const;
   const geometry::RayCaster& CasterOf(const perception::RecognitionModel& model);
 
   LookConfig config_;
   fusion::ConcludeConfig conclude_;
+  perception::RegisterConfig registration_;
   planning::CameraCarrier carrier_;
   std::map<std::string, geometry::RayCaster> ray_casters_;  // by name of the model
   std::vector<Eigen::Vector2d> blocked_W_;

@@ -64,7 +64,7 @@ Mission::Mission(const MissionConfig& config, const world::Task& task,
       rng_(ForkSeed(seed, "mission")),
       capturer_(robot, calibration),
       scene_(config.understanding, task, database),
-      planner_(config.looks, config.understanding.conclude,
+      planner_(config.looks, config.understanding,
                {robot->base->info(), robot->head->info(), calibration, robot->head_camera->info()}),
       start_(robot->clock->Now()) {}
 

@@ -35,6 +35,8 @@ class SceneUnderstanding {
 
   const world::SceneBelief& belief() const { return belief_; }
   const world::VoxelSpace& space() const { return space_; }
+  /// What views are registered to.
+  const perception::ReferenceCloud& reference() const { return reference_; }
   const std::vector<perception::RecognitionModel>& models() const { return models_; }
 
   /// Knows one model more from the next view on. What was called unknown is open again.

@@ -107,7 +107,7 @@ std::vector<world::Look> LookTrial::Candidates(const Knowledge& knowledge,
   if (target == nullptr) return {};
   Question question;
   question.open = {target};
-  LookPlanner planner(ConfigOf(chooser), fusion::ConcludeConfig(), carrier_);
+  LookPlanner planner(ConfigOf(chooser), UnderstandingConfig(), carrier_);
   for (const Vector3d& p_WC : knowledge.vain_views_W) planner.NoteVain(p_WC);
   Rng rng(ForkSeed(
       seed_, fmt::format("{} after {} views", chooser,

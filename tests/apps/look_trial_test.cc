@@ -98,7 +98,8 @@ TEST(LookCourses, CountOnlyTrialsThatFoundAStart) {
                                  TrialWith(30.0, 10.0, false), TrialWith(40.0, 12.0, true)};
   EXPECT_DOUBLE_EQ(StartRow(trials).estimate.value, 0.75);
   std::vector<Row> rows;
-  AddShares("good", trials, 0.5, [](const Json& c) { return c.at("good").get<bool>(); }, &rows);
+  AddShares(
+      "good", trials, 0.5, [](const Json& c) { return c.at("good").get<bool>(); }, &rows);
   EXPECT_DOUBLE_EQ(RowOf(rows, "good, expected loss").estimate.value, 2.0 / 3.0);
   EXPECT_EQ(RowOf(rows, "good, expected loss").paper, 0.5);
   EXPECT_EQ(RowOf(rows, "good, expected loss").baseline, 0.0);
