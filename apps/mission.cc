@@ -17,7 +17,6 @@
 namespace secondlook::apps {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 using world::ObjectBelief;
 using world::ObjectState;
@@ -33,23 +32,10 @@ constexpr std::array<hal::PanTiltAngles, 9> kSearch{{{0.0, 0.35},
                                                      {0.0, 0.7},
                                                      {0.0, 0.1}}};
 
-/// Hypotheses with less than this share of the best one's support do not guide a look …
-constexpr double kMinSupportShare = 0.3;
-/// … and below this support, no model fits at all.
-constexpr double kMinSupport = 0.15;
-constexpr std::size_t kMaxHypotheses = 4;
 /// A belief below this is none.
 constexpr double kNegligible = 0.02;
 /// So many looks at hidden space that never got there are enough.
 constexpr int kMaxVain = 3;
-
-/// The box around `box_W` and the model's own box at X_WM.
-void ExtendByModel(const geometry::Mesh& mesh, const Pose& X_WM, Eigen::AlignedBox3d* box_W) {
-  const Eigen::AlignedBox3d box_M = geometry::Bounds(mesh);
-  for (int corner = 0; corner < 8; ++corner) {
-    box_W->extend(X_WM * box_M.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
-  }
-}
 
 int PhaseOf(DriveOutcome::Kind kind) {
   switch (kind) {
@@ -78,14 +64,9 @@ Mission::Mission(const MissionConfig& config, const world::Task& task,
       rng_(ForkSeed(seed, "mission")),
       capturer_(robot, calibration),
       scene_(config.understanding, task, database),
-      start_(robot->clock->Now()) {
-  config.looks.cost_map.Validate();
-  config.looks.views.Validate();
-  config.looks.aspect_graph.Validate();
-  for (const perception::RecognitionModel& model : scene_.models()) {
-    ray_casters_.emplace(model.name, model.mesh);
-  }
-}
+      planner_(config.looks, config.understanding,
+               {robot->base->info(), robot->head->info(), calibration, robot->head_camera->info()}),
+      start_(robot->clock->Now()) {}
 
 Progress Mission::Step() try {
   std::optional<TakenLook> look;
@@ -156,7 +137,7 @@ void Mission::Understand(const Capture& capture) {
   TellView(capture, reason);
   if (!reason.empty()) {
     spdlog::warn("nothing learned from frame {}: {}", capture.frame.sequence, reason);
-    vain_views_W_.push_back(capture.X_WC.translation());
+    planner_.NoteVain(capture.X_WC.translation());
   }
   for (const ObjectBelief& object : belief().objects) {
     std::string& told = told_[object.id];
@@ -166,7 +147,7 @@ void Mission::Understand(const Capture& capture) {
   }
 }
 
-Mission::Question Mission::WhatIsOpen() const {
+Question Mission::WhatIsOpen() const {
   Question question;
   std::vector<Eigen::AlignedBox3d> known_W;
   for (const ObjectBelief& object : belief().objects) {
@@ -176,7 +157,7 @@ Mission::Question Mission::WhatIsOpen() const {
       const world::PoseHypothesis& best = *object.Best();
       const perception::RecognitionModel* model =
           perception::FindModel(scene_.models(), best.model);
-      ExtendByModel(model->mesh, best.X_WM, &box_W);
+      box_W.extend(PlacedBox(model->mesh, best.X_WM));
     }
     known_W.push_back(box_W);
     if (object.Settled() || !Matters(object)) continue;
@@ -262,36 +243,9 @@ TakenLook Mission::ScoreLooks(const Question& question) {
                     robot_->clock->Now());
   Charge(config_.looks.plan_seconds);
   const Stopwatch watch;
-  const hal::BaseInfo& base = robot_->base->info();
-  const std::vector<world::SupportPlane> supports_W{*belief().plane_W};
-  Vector3d center_W = Vector3d::Zero();
-  for (const Vector3d& corner : belief().plane_W->corners_A) center_W += corner / 4.0;
-  planning::CostMap map(scene_.space(), supports_W, base, center_W.head<2>(),
-                        config_.looks.cost_map);
-  for (const Vector2d& p : blocked_W_) map.Block(p, config_.looks.blocked_radius_m);
-  const planning::CollisionChecker collision(scene_.space(), supports_W, base,
-                                             config_.looks.cost_map);
-  const planning::Routes routes(map, robot_->base->State().X_WB, base);
-  const planning::Reach reach{collision, routes, robot_->head->State().angles};
-  const planning::CameraCarrier carrier{base, robot_->head->info(), calibration_,
-                                        robot_->head_camera->info()};
-
-  std::vector<planning::AspectTarget> targets;
-  for (const ObjectBelief* object : question.open) targets.push_back(TargetFor(*object));
-  for (const Eigen::AlignedBox3d& box_W : question.hidden_W) targets.push_back(TargetFor(box_W));
-
   TakenLook taken;
-  for (const planning::AspectTarget& target : targets) {
-    planning::AspectGraph graph =
-        planning::ScoreAspectGraph(scene_.space(), carrier.camera.model, target,
-                                   planning::CandidateViews(target.box_W.center(), target.id,
-                                                            carrier, reach, config_.looks.views),
-                                   &rng_, config_.looks.aspect_graph);
-    for (world::Look& look : graph.looks) {
-      look.kind = target.id < 0 ? "hidden_space" : "aspect_graph";
-      taken.candidates.push_back(std::move(look));
-    }
-  }
+  taken.candidates = planner_.Candidates(
+      scene_, task_, question, {robot_->base->State().X_WB, robot_->head->State().angles}, &rng_);
   const planning::LookChoice choice = planning::ChooseLook(&taken.candidates);
   if (choice.index) {
     taken.look = taken.candidates[*choice.index];
@@ -302,42 +256,6 @@ TakenLook Mission::ScoreLooks(const Question& question) {
   stages_.push_back({"choose", config_.looks.plan_seconds, watch.Seconds()});
   publisher_->Candidates(taken.candidates, robot_->clock->Now());
   return taken;
-}
-
-planning::AspectTarget Mission::TargetFor(const ObjectBelief& object) const {
-  planning::AspectTarget target;
-  target.id = object.id;
-  target.box_W = object.extent_W;
-  const world::PoseHypothesis* best = object.Best();
-  for (const world::PoseHypothesis& h : object.hypotheses) {
-    if (best == nullptr || best->support < kMinSupport) break;
-    if (h.struck || h.support < kMinSupportShare * best->support) continue;
-    if (target.hypotheses.size() == kMaxHypotheses) break;
-    const perception::RecognitionModel* model = perception::FindModel(scene_.models(), h.model);
-    target.hypotheses.push_back({&model->mesh, &ray_casters_.at(h.model), h.X_WM, h.support});
-    ExtendByModel(model->mesh, h.X_WM, &target.box_W);
-  }
-  for (const world::Sighting& sighting : object.sightings) {
-    const Pose& X_WC = belief().views[sighting.view].X_WC;
-    target.seen_from_W.push_back((X_WC.translation() - object.extent_W.center()).normalized());
-  }
-  for (const Vector3d& p : vain_views_W_) {
-    target.seen_from_W.push_back((p - object.extent_W.center()).normalized());
-  }
-  return target;
-}
-
-planning::AspectTarget Mission::TargetFor(const Eigen::AlignedBox3d& hidden_W) const {
-  planning::AspectTarget target;
-  target.box_W = hidden_W;
-  target.worth = config_.looks.hidden_worth;
-  for (const world::Observation& view : belief().views) {
-    target.seen_from_W.push_back((view.X_WC.translation() - hidden_W.center()).normalized());
-  }
-  for (const Vector3d& p : vain_views_W_) {
-    target.seen_from_W.push_back((p - hidden_W.center()).normalized());
-  }
-  return target;
 }
 
 /// What choose_ makes of the mission's own choice.
@@ -383,8 +301,7 @@ Progress Mission::Act(TakenLook taken) {
     // Something stands there that the map does not show: right ahead of where the base stopped.
     const Pose2 X_WB = robot_->base->State().X_WB;
     const double ahead = robot_->base->info().radius + config_.looks.blocked_radius_m;
-    blocked_W_.emplace_back(X_WB.x + ahead * std::cos(X_WB.yaw),
-                            X_WB.y + ahead * std::sin(X_WB.yaw));
+    planner_.Block({X_WB.x + ahead * std::cos(X_WB.yaw), X_WB.y + ahead * std::sin(X_WB.yaw)});
   }
   record_.looks.push_back(std::move(taken));
   record_.total_seconds = SecondsSince(start_);
@@ -415,10 +332,7 @@ void Mission::SetTask(const world::Task& task) {
   scene_.SetTask(task);
 }
 
-void Mission::Learn(const world::ObjectModel& model) {
-  scene_.Learn(model);
-  ray_casters_.emplace(model.name, model.mesh);
-}
+void Mission::Learn(const world::ObjectModel& model) { scene_.Learn(model); }
 
 void Mission::End(Progress progress, std::string why) {
   robot_->Stop();

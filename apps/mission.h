@@ -10,14 +10,13 @@
 
 #include "apps/capture.h"
 #include "apps/drive.h"
+#include "apps/look_planner.h"
 #include "apps/mission_config.h"
 #include "apps/publisher.h"
 #include "apps/scene_understanding.h"
 #include "lib/common/rng.h"
-#include "lib/geometry/ray_caster.h"
 #include "lib/hal/robot.h"
 #include "lib/kinematics/head.h"
-#include "lib/perception/recognition_model.h"
 #include "lib/world/look.h"
 #include "lib/world/object_database.h"
 #include "lib/world/scene_belief.h"
@@ -96,15 +95,6 @@ class Mission {
   const MissionRecord& record() const { return record_; }
 
  private:
-  /// What the next look is to answer.
-  struct Question {
-    std::vector<const world::ObjectBelief*> open;   ///< That may have another look.
-    std::vector<const world::ObjectBelief*> spent;  ///< Open, but had all the looks it may have.
-    std::vector<Eigen::AlignedBox3d> hidden_W;      ///< Where something could stand unseen.
-
-    bool Empty() const { return open.empty() && hidden_W.empty(); }
-  };
-
   std::optional<Capture> Grab();
   void RequireDepth(const Capture& capture);
   void Understand(const Capture& capture);
@@ -114,8 +104,6 @@ class Mission {
   bool Matters(const world::ObjectBelief& object) const;
   std::optional<TakenLook> SearchForTable();
   std::optional<TakenLook> Choose(const Question& question);
-  planning::AspectTarget TargetFor(const world::ObjectBelief& object) const;
-  planning::AspectTarget TargetFor(const Eigen::AlignedBox3d& hidden_W) const;
   std::optional<TakenLook> Overruled(std::optional<TakenLook> own);
   Progress Act(TakenLook look);
   void End(Progress progress, std::string why);
@@ -136,15 +124,13 @@ class Mission {
   Rng rng_;
   Capturer capturer_;
   SceneUnderstanding scene_;
-  std::map<std::string, geometry::RayCaster> ray_casters_;  // by name of the model
-  std::vector<Eigen::Vector2d> blocked_W_;                  // where the base was stopped
-  std::map<int, std::string> told_;                         // last logged reason, by object
-  int blind_frames_{};                                      // without any depth, in a row
-  int searched_{};                                          // head poses tried in vain
-  int explored_{};                                          // looks at hidden space that got there
-  int vain_{};                                              // … and that did not
-  std::vector<Eigen::Vector3d> vain_views_W_;               // cameras of views that taught nothing
-  std::vector<StageTime> stages_;                           // of this step
+  LookPlanner planner_;
+  std::map<int, std::string> told_;  // last logged reason, by object
+  int blind_frames_{};               // without any depth, in a row
+  int searched_{};                   // head poses tried in vain
+  int explored_{};                   // looks at hidden space that got there
+  int vain_{};                       // … and that did not
+  std::vector<StageTime> stages_;    // of this step
   Time start_;
   Progress progress_{Progress::kMore};
   MissionRecord record_;

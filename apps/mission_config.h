@@ -70,7 +70,6 @@ struct LookConfig {
   planning::HiddenSpaceConfig hidden_space;
   int per_object = 4;               ///< After so many for its sake an object is left open.
   int at_hidden_space = 3;          ///< Looks where something could stand unseen.
-  double hidden_worth = 0.3;        ///< Of such a look, against 1 for settling an object.
   double frame_timeout_s = 1.0;     ///< Waited for a frame …
   int frame_tries = 3;              ///< … so many times before the camera counts as lost; so many
                                     ///< frames in a row without depth count as that, too.
@@ -86,7 +85,6 @@ struct LookConfig {
     a->Visit("hidden_space", &hidden_space);
     a->Visit("per_object", &per_object);
     a->Visit("at_hidden_space", &at_hidden_space);
-    a->Visit("hidden_worth", &hidden_worth);
     a->Visit("frame_timeout_s", &frame_timeout_s);
     a->Visit("frame_tries", &frame_tries);
     a->Visit("blocked_radius_m", &blocked_radius_m);
@@ -98,7 +96,6 @@ struct LookConfig {
   void Validate() const {
     RequireAtLeast("per_object", per_object, 0);
     RequireAtLeast("at_hidden_space", at_hidden_space, 0);
-    RequireAtLeast("hidden_worth", hidden_worth, 0);
     RequireAtLeast("frame_timeout_s", frame_timeout_s, 0);
     RequireAtLeast("frame_tries", frame_tries, 1);
     RequireAtLeast("blocked_radius_m", blocked_radius_m, 0);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lib/fusion/match.h"
+#include "lib/geometry/kd_tree.h"
 #include "lib/geometry/point_image.h"
 #include "lib/perception/choose_together.h"
 #include "lib/perception/explain.h"
@@ -34,6 +35,9 @@ constexpr double kSameLevel_m = 0.03;
 constexpr double kPlaneReach_m = 0.1;
 /// Of two things that touch, as they were measured, no more of one stands in the other.
 constexpr double kMostInside = 0.2;
+/// What was seen of a thing is the surface of another where this share of its points is so near.
+constexpr double kPartShare = 0.8;
+constexpr double kOnSurface_m = 0.015;
 
 std::vector<Vector3d> InWorld(const Pose& X_WC, const std::vector<Vector3d>& points_C) {
   std::vector<Vector3d> points_W;
@@ -140,22 +144,49 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
   return "";
 }
 
-/// Two objects that are believed to be one model at one place are its two ends: something in front
-/// cut it in two, and each end was recognised by itself.
-void SceneUnderstanding::MergeDuplicates() {
+/// True when both are believed to be one model at one place: they are its two ends. Something in
+/// front cut it in two, and each end was recognised by itself.
+bool SceneUnderstanding::AreOneModel(const ObjectBelief& a, const ObjectBelief& b) const {
   const auto standing = [](const ObjectBelief& object) {
-    return object.state != ObjectState::kRejected && object.Best() != nullptr &&
-           object.Best()->support > 0.5;
+    return object.Best() != nullptr && object.Best()->support > 0.5;
   };
+  if (!standing(a) || !standing(b)) return false;
+  const PoseHypothesis& one = *a.Best();
+  const PoseHypothesis& other = *b.Best();
+  if (one.model != other.model) return false;
+  const perception::RecognitionModel& model = ModelOf(one.model);
+  const double distance = (one.X_WM * model.center_M - other.X_WM * model.center_M).norm();
+  return distance <= kSamePose_m;
+}
+
+/// True when what was seen of an open object is the surface of a verified one, e.g. its front, seen
+/// before its back was recognised: two things cannot stand in one place.
+bool SceneUnderstanding::IsPartOf(const ObjectBelief& object, const ObjectBelief& whole) const {
+  if (object.Settled() || whole.state != ObjectState::kVerified || object.points_W.empty()) {
+    return false;
+  }
+  const PoseHypothesis& best = *whole.Best();
+  const perception::RecognitionModel& model = ModelOf(best.model);
+  if (!BoxOf(model, best.X_WM).intersects(object.extent_W)) return false;
+  std::vector<Vector3d> points_M;
+  for (const perception::ModelPoint& p : model.points) points_M.push_back(p.point.cast<double>());
+  const geometry::KdTree surface_M(std::move(points_M));
+  const Pose X_MW = best.X_WM.inverse();
+  const auto on_it =
+      std::count_if(object.points_W.begin(), object.points_W.end(), [&](const Vector3d& p_WQ) {
+        return surface_M.Nearest(X_MW * p_WQ, kOnSurface_m).has_value();
+      });
+  return static_cast<double>(on_it) >= kPartShare * static_cast<double>(object.points_W.size());
+}
+
+/// Makes one of two objects that turn out to be the same thing.
+void SceneUnderstanding::MergeDuplicates() {
   for (ObjectBelief& a : belief_.objects) {
     for (ObjectBelief& b : belief_.objects) {
-      if (b.id <= a.id || !standing(a) || !standing(b)) continue;
-      const PoseHypothesis& one = *a.Best();
-      const PoseHypothesis& other = *b.Best();
-      if (one.model != other.model) continue;
-      const perception::RecognitionModel& model = ModelOf(one.model);
-      const double distance = (one.X_WM * model.center_M - other.X_WM * model.center_M).norm();
-      if (distance > kSamePose_m) continue;
+      if (b.id <= a.id || a.state == ObjectState::kRejected || b.state == ObjectState::kRejected) {
+        continue;
+      }
+      if (!AreOneModel(a, b) && !IsPartOf(a, b) && !IsPartOf(b, a)) continue;
       MergedObject({a.id, b.id});
       Verification().Complete(&a);
       Conclude(&a);

@@ -34,6 +34,8 @@ class SceneUnderstanding {
 
   const world::SceneBelief& belief() const { return belief_; }
   const world::VoxelSpace& space() const { return space_; }
+  /// What views are registered to.
+  const perception::ReferenceCloud& reference() const { return reference_; }
   const std::vector<perception::RecognitionModel>& models() const { return models_; }
 
   /// Knows one model more from the next view on. What was called unknown is open again.
@@ -72,6 +74,8 @@ class SceneUnderstanding {
   void GrowFurther(const std::vector<perception::FurtherSupport>& further, const Pose& X_WC);
   Matched MatchClusters(std::vector<world::Cluster> clusters, const cv::Mat& depth,
                         const hal::CameraModel& camera, const Pose& X_WC);
+  bool AreOneModel(const world::ObjectBelief& a, const world::ObjectBelief& b) const;
+  bool IsPartOf(const world::ObjectBelief& object, const world::ObjectBelief& whole) const;
   void MergeDuplicates();
   std::vector<int> ToldApart(const std::vector<int>& ids) const;
   std::vector<world::Detection> Recognise(const perception::View& view, const Pose& X_WC,

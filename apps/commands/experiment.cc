@@ -25,6 +25,11 @@ constexpr Experiment kExperiments[] = {
     {"real-frames", RunRealFramesExperiment, 1000000, 0},  // all that there are
     {"pose-averaging", RunPoseAveragingExperiment, 3, 20},
     {"segmentation", RunSegmentationExperiment, 0, 0},  // 50 views, or all clouds that there are
+    {"unobstructed", RunUnobstructedExperiment, 200, 0},
+    {"confirmation", RunConfirmationExperiment, 200, 0},
+    {"occlusion", RunOcclusionExperiment, 200, 0},
+    {"ambiguity", RunAmbiguityExperiment, 200, 0},
+    {"rejection", RunRejectionExperiment, 200, 0},
 };
 
 /// The names of all, in words.

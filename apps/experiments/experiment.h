@@ -72,4 +72,20 @@ void RunRecognitionExperiment(const ExperimentOptions& options);
 /// @throws ConfigError for a folder of models that cannot be read.
 void RunPoseAveragingExperiment(const ExperimentOptions& options);
 
+/// McGreavy 2016, Section 5: looks chosen in several ways, from the same starts and with the same
+/// views. A trial is an object on a plinth that the first view shows badly.
+/// @throws ConfigError for a folder of models that cannot be read; here and below.
+void RunUnobstructedExperiment(const ExperimentOptions& options);
+/// … that the first view recognises, to be confirmed by another.
+void RunConfirmationExperiment(const ExperimentOptions& options);
+/// … that something else hides in part.
+void RunOcclusionExperiment(const ExperimentOptions& options);
+/// … that has a twin, from which the first view cannot tell it.
+/// @throws ConfigError when the models do not have the twins, too.
+void RunAmbiguityExperiment(const ExperimentOptions& options);
+/// Beside the paper: whether things that are in no database, for which the first view has a
+/// hypothesis, are called unknown, and true ones are not.
+/// @throws ConfigError without unfamiliar objects, too.
+void RunRejectionExperiment(const ExperimentOptions& options);
+
 }  // namespace secondlook::apps

@@ -28,7 +28,7 @@ FreeCamera::FreeCamera(const sim::Scene& scene, std::uint64_t seed)
       wide_renderer_(*robot_.world, Widened(info_.model)),
       rng_(ForkSeed(seed, "free camera")) {}
 
-Photo FreeCamera::Take(const Pose& X_WC) {
+Photo FreeCamera::Take(const Pose& X_WC, Rng* rng) {
   const sim::World& world = *robot_.world;
   const sim::Render clean = renderer_.Draw(X_WC, world.StateAt(world.Now()));
   Photo photo;
@@ -37,8 +37,8 @@ Photo FreeCamera::Take(const Pose& X_WC) {
   photo.clean_depth = clean.depth;
   photo.frame.sequence = ++taken_;
   photo.frame.depth =
-      sim::DepthNoise(clean, info_.model, {info_.min_depth, info_.max_depth}, world.noise(), &rng_);
-  photo.frame.color = sim::ColorNoise(clean, world.noise(), &rng_);
+      sim::DepthNoise(clean, info_.model, {info_.min_depth, info_.max_depth}, world.noise(), rng);
+  photo.frame.color = sim::ColorNoise(clean, world.noise(), rng);
   return photo;
 }
 

@@ -30,8 +30,12 @@ class FreeCamera {
 
   const hal::CameraInfo& info() const { return info_; }
   const sim::World& world() const { return *robot_.world; }
+  const sim::SimulatedRobot& robot() const { return robot_; }  ///< That it is taken from.
 
-  Photo Take(const Pose& X_WC);
+  Photo Take(const Pose& X_WC) { return Take(X_WC, &rng_); }
+
+  /// The same with this frame's errors drawn from `rng`.
+  Photo Take(const Pose& X_WC, Rng* rng);
 
   /// For each object the share in [0, 1] of its silhouette that `photo` shows: not hidden by
   /// another, inside the picture, and where the depth camera measures.

@@ -18,4 +18,14 @@ Estimate Proportion(int hits, int count);
 /// value the interval is that value.
 Estimate Mean(const std::vector<double>& values);
 
+/// The mean of differences `values` between two methods in the same trials, with the interval of
+/// 2000 bootstrap resamples of the trials; all NaN for none. The same values give the same
+/// interval.
+Estimate BootstrappedMean(const std::vector<double>& values);
+
+/// The ratio of the sums of `numerators` and `denominators`, one of each a trial, likewise.
+/// @pre as many of the one as of the other.
+Estimate BootstrappedRatio(const std::vector<double>& numerators,
+                           const std::vector<double>& denominators);
+
 }  // namespace secondlook::apps

@@ -18,7 +18,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 constexpr std::array<std::pair<const char*, LookStrategy>, 5> kStrategies = {
-    {{"gain per second", LookStrategy::kGainPerSecond},
+    {{"expected loss", LookStrategy::kExpectedLoss},
      {"McGreavy", LookStrategy::kMcGreavy},
      {"nearest", LookStrategy::kNearest},
      {"random", LookStrategy::kRandom},
@@ -29,6 +29,7 @@ struct BoxRay {
   Eigen::Vector3d direction_W;  ///< 1 along the optical axis, so distances are depths.
   double chance{};              ///< To arrive at the box, in [0, 1]; 0: stopped.
   bool stopped{};
+  bool through_unknown{};
 };
 
 /// Where the ray from `from_W` enters the box; empty when it misses it. 0 from inside.
@@ -99,7 +100,7 @@ std::vector<BoxRay> SurvivingRays(const world::VoxelSpace& space,
       if (!Entry(box_W, p_WC, direction_W)) continue;
       fan.depth.back() = Entry(around_W, p_WC, direction_W).value_or(0.0);
       pixels.push_back(fan.depth.size() - 1);
-      rays.push_back({direction_W, 1.0, false});
+      rays.push_back({direction_W, 1.0});
     }
   }
   const std::vector<world::Passage> passages = space.Cast(fan);
@@ -107,6 +108,7 @@ std::vector<BoxRay> SurvivingRays(const world::VoxelSpace& space,
     const world::Passage& passage = passages[pixels[i]];
     const bool through_unknown = !passage.blocked && passage.unknown > config.unknown_m;
     rays[i].stopped = passage.blocked;
+    rays[i].through_unknown = through_unknown;
     rays[i].chance = passage.blocked ? 0.0 : through_unknown ? config.unknown_survival : 1.0;
     score->blocked += passage.blocked ? 1.0 : 0.0;
     score->through_unknown += through_unknown ? 1.0 : 0.0;
@@ -175,35 +177,123 @@ bool Differs(const PosedModel& a, const geometry::RayHit& hit_a, const PosedMode
   return (color_a - color_b).cwiseAbs().maxCoeff() > config.color_difference;
 }
 
-/// The share of the rays to either model on which they differ, what does not arrive counted as
-/// equal.
-double Difference(const PosedModel& a, const std::vector<geometry::RayHit>& hits_a,
-                  const PosedModel& b, const std::vector<geometry::RayHit>& hits_b,
-                  const std::vector<BoxRay>& rays, const AspectGraphConfig& config) {
-  double either = 0.0;
-  double different = 0.0;
+/// Of the rays to something, how many there are and on how many something new is seen: only past
+/// what is known to be free, or also through what is unknown.
+struct NewsRays {
+  double all{};
+  double through_free{};
+  double arriving{};
+
+  void Add(const BoxRay& ray, bool news) {
+    all += 1.0;
+    if (!news || ray.stopped) return;
+    arriving += 1.0;
+    if (!ray.through_unknown) through_free += 1.0;
+  }
+};
+
+/// The rays to either model, and those on which they differ.
+NewsRays DifferingRays(const PosedModel& a, const std::vector<geometry::RayHit>& hits_a,
+                       const PosedModel& b, const std::vector<geometry::RayHit>& hits_b,
+                       const std::vector<BoxRay>& rays, const AspectGraphConfig& config) {
+  NewsRays differing;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (hits_a[i].triangle < 0 && hits_b[i].triangle < 0) continue;
-    either += 1.0;
-    if (rays[i].chance > 0.0 && Differs(a, hits_a[i], b, hits_b[i], config)) {
-      different += rays[i].chance;
-    }
+    differing.Add(rays[i], !rays[i].stopped && Differs(a, hits_a[i], b, hits_b[i], config));
   }
-  return either > 0.0 ? different / either : 0.0;
+  return differing;
 }
 
-/// 0 .. 1: how far `direction_W` is from all that were seen, at least `same_view_novelty`.
+/// The rays to the model; to the box when there is none.
+NewsRays RaysTo(const std::vector<geometry::RayHit>* hits, const std::vector<BoxRay>& rays) {
+  NewsRays seen;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (hits == nullptr || (*hits)[i].triangle >= 0) seen.Add(rays[i], true);
+  }
+  return seen;
+}
+
+/// What a view may give: with the chance `survival` that nothing stands in unknown space, and
+/// without.
+class Prospects {
+ public:
+  Prospects(int alternatives, double pixels_a_ray, double novelty, const AspectGraphConfig& config)
+      : pixels_a_ray_(pixels_a_ray), novelty_(novelty), config_(config) {
+    open_ = Eigen::MatrixXd::Zero(alternatives, alternatives);
+    closed_ = open_;
+  }
+
+  /// Notes what tells alternative i from j, of which `difference` is seen on each ray with news.
+  void Set(int i, int j, const NewsRays& rays, double difference) {
+    if (rays.all == 0.0) return;
+    const double pixels = rays.all * pixels_a_ray_;
+    const double each =
+        config_.evidence * novelty_ * difference * pixels / (pixels + config_.few_px) / rays.all;
+    open_(i, j) = open_(j, i) = each * rays.arriving;
+    closed_(i, j) = closed_(j, i) = each * rays.through_free;
+  }
+
+  std::vector<Prospect> List() const {
+    if (open_ == closed_) return {{1.0, open_}};
+    return {{config_.unknown_survival, open_}, {1.0 - config_.unknown_survival, closed_}};
+  }
+
+ private:
+  double pixels_a_ray_;
+  double novelty_;
+  const AspectGraphConfig& config_;
+  Eigen::MatrixXd open_;
+  Eigen::MatrixXd closed_;
+};
+
+/// What is believed of the target: its hypotheses and, last, none of them.
+Belief BeliefOf(const AspectTarget& target) {
+  Belief belief;
+  if (target.id < 0) {
+    belief.incomplete = 1.0;
+    return belief;
+  }
+  double none = target.none;
+  if (target.hypotheses.empty()) {
+    belief.alternatives.push_back({1.0 - target.none});  // a model that did not come to mind yet
+  } else {
+    none = 1.0;
+    for (const PosedModel& model : target.hypotheses) {
+      belief.alternatives.push_back({model.belief, model.needed});
+      none -= model.belief;
+    }
+  }
+  belief.alternatives.push_back({std::max(0.0, none)});
+  return belief;
+}
+
+/// 0 .. 1: what a view counts that is `angle` [rad] from the nearest one before, at least
+/// `same_view_novelty`.
+double NoveltyAt(double angle, const AspectTarget& target, const AspectGraphConfig& config) {
+  const double same = config.same_view_deg * kDegree;
+  const double new_view =
+      (target.hypotheses.empty() ? config.new_view_unknown_deg : config.new_view_deg) * kDegree;
+  const double share = std::clamp((angle - same) / (new_view - same), 0.0, 1.0);
+  return config.same_view_novelty + (1.0 - config.same_view_novelty) * share;
+}
+
+double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+}
+
+/// From the target to the camera.
+Eigen::Vector3d DirectionOf(const AspectTarget& target, const Pose& X_WC) {
+  return (X_WC.translation() - target.box_W.center()).normalized();
+}
+
+/// The novelty of `direction_W` against all that were seen.
 double Novelty(const Eigen::Vector3d& direction_W, const AspectTarget& target,
                const AspectGraphConfig& config) {
   double nearest = std::numbers::pi;
   for (const Eigen::Vector3d& seen_W : target.seen_from_W) {
-    nearest = std::min(nearest, std::acos(std::clamp(seen_W.dot(direction_W), -1.0, 1.0)));
+    nearest = std::min(nearest, AngleBetween(seen_W, direction_W));
   }
-  const double same = config.same_view_deg * kDegree;
-  const double new_view =
-      (target.hypotheses.empty() ? config.new_view_unknown_deg : config.new_view_deg) * kDegree;
-  const double share = std::clamp((nearest - same) / (new_view - same), 0.0, 1.0);
-  return config.same_view_novelty + (1.0 - config.same_view_novelty) * share;
+  return NoveltyAt(nearest, target, config);
 }
 
 /// The beliefs, summing to 1.
@@ -219,10 +309,10 @@ std::vector<double> Beliefs(const std::vector<PosedModel>& hypotheses) {
 }
 
 AspectScore Analyse(const world::VoxelSpace& space, const geometry::CameraModel& camera,
-                    const AspectTarget& target, const Pose& X_WC, const AspectGraphConfig& config) {
+                    double pixels_a_ray, const AspectTarget& target, const Pose& X_WC,
+                    const AspectGraphConfig& config) {
   AspectScore score;
-  score.novelty =
-      Novelty((X_WC.translation() - target.box_W.center()).normalized(), target, config);
+  score.novelty = Novelty(DirectionOf(target, X_WC), target, config);
   const std::vector<BoxRay> rays = SurvivingRays(space, camera, X_WC, target.box_W, config, &score);
   std::vector<std::vector<geometry::RayHit>> hits;
   for (const PosedModel& model : target.hypotheses) {
@@ -235,18 +325,25 @@ AspectScore Analyse(const world::VoxelSpace& space, const geometry::CameraModel&
                        (static_cast<double>(camera.width) * camera.height);
   }
 
+  const int none = std::max<int>(1, static_cast<int>(hits.size()));
+  Prospects prospects(target.id < 0 ? 0 : none + 1, pixels_a_ray, score.novelty, config);
+  if (hits.empty() && target.id >= 0) prospects.Set(0, none, RaysTo(nullptr, rays), config.unlike);
   const std::vector<double> beliefs = Beliefs(target.hypotheses);
   double pairs = 0.0;
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
+  for (int i = 0; i < static_cast<int>(hits.size()); ++i) {
+    prospects.Set(i, none, RaysTo(&hits[i], rays), config.unlike);
+    for (int j = 0; j < i; ++j) {
+      const NewsRays differing =
+          DifferingRays(target.hypotheses[i], hits[i], target.hypotheses[j], hits[j], rays, config);
+      prospects.Set(i, j, differing, 1.0);
       const double weight = beliefs[i] * beliefs[j];
       if (!(weight > 0.0)) continue;
       pairs += weight;
-      score.difference += weight * Difference(target.hypotheses[i], hits[i], target.hypotheses[j],
-                                              hits[j], rays, config);
+      if (differing.all > 0.0) score.difference += weight * differing.arriving / differing.all;
     }
   }
   if (pairs > 0.0) score.difference /= pairs;
+  score.prospects = prospects.List();
   return score;
 }
 
@@ -258,11 +355,47 @@ double MeanVisibility(const AspectTarget& target, const AspectScore& score) {
   return mean;
 }
 
-double Gain(const AspectTarget& target, const AspectScore& score, double visibility,
-            const AspectGraphConfig& config) {
-  const double gain = target.worth * score.novelty * visibility;
-  if (target.hypotheses.size() < 2) return gain;
-  return gain * (1.0 - std::exp(-score.difference / config.settling_difference));
+/// The expected drop of the loss by a look with this score.
+double Gain(const AspectTarget& target, const Belief& belief, const AspectScore& score,
+            double visibility, const AspectGraphConfig& config) {
+  if (target.id < 0) return config.loss.incomplete * score.novelty * visibility;
+  return Loss(belief, config.loss) - ExpectedLoss(Outcomes(belief, score.prospects), config.loss);
+}
+
+/// Gains per second, one a look; 0 where a look is not feasible.
+std::vector<double> ScoresLookingAhead(const AspectTarget& target, const Belief& belief,
+                                       const AspectGraph& graph, const AspectGraphConfig& config) {
+  std::vector<double> scores(graph.looks.size(), 0.0);
+  std::vector<int> feasible;
+  std::vector<LookOption> options;
+  for (int i = 0; i < static_cast<int>(graph.looks.size()); ++i) {
+    const world::Look& look = graph.looks[i];
+    if (!look.feasible) continue;
+    const double seconds = look.seconds + config.look_seconds;
+    scores[i] = look.gain / seconds;
+    feasible.push_back(i);
+    options.push_back({seconds, graph.scores[i].prospects});
+  }
+  if (target.id < 0) return scores;
+  const auto after = [&](int first, int second) -> Sequel {
+    const world::Look& a = graph.looks[feasible[first]];
+    const world::Look& b = graph.looks[feasible[second]];
+    const double novelty = NoveltyAt(
+        AngleBetween(DirectionOf(target, a.X_WC), DirectionOf(target, b.X_WC)), target, config);
+    const double before = graph.scores[feasible[second]].novelty;
+    // Round the target, not through what it stands on.
+    const Eigen::Vector2d center = target.box_W.center().head<2>();
+    const Eigen::Vector2d to_a = Eigen::Vector2d(a.X_WB.x, a.X_WB.y) - center;
+    const Eigen::Vector2d to_b = Eigen::Vector2d(b.X_WB.x, b.X_WB.y) - center;
+    const double turn =
+        std::abs(WrapAngle(std::atan2(to_b.y(), to_b.x()) - std::atan2(to_a.y(), to_a.x())));
+    const double metres = turn * to_a.norm() + std::abs(to_b.norm() - to_a.norm());
+    return {metres / config.ahead_speed + config.look_seconds, std::min(1.0, novelty / before)};
+  };
+  const std::vector<double> gains =
+      GainsLookingAhead(belief, options, after, config.loss, config.look_ahead);
+  for (std::size_t i = 0; i < feasible.size(); ++i) scores[feasible[i]] = gains[i];
+  return scores;
 }
 
 /// What the strategy "fixed step" scores: 2 in the direction it wants, 0 opposite to it.
@@ -285,6 +418,7 @@ void Check(const AspectTarget& target) {
         target.id, box_W.min().x(), box_W.min().y(), box_W.min().z(), box_W.max().x(),
         box_W.max().y(), box_W.max().z());
   }
+  double sum = 0.0;
   for (std::size_t i = 0; i < target.hypotheses.size(); ++i) {
     const PosedModel& model = target.hypotheses[i];
     if (!IsValid(model.X_WM)) {
@@ -296,12 +430,20 @@ void Check(const AspectTarget& target) {
     if (model.mesh == nullptr || model.caster == nullptr) {
       Throw<InvalidArgument>("aspect graph: hypothesis {} of target {} has no mesh", i, target.id);
     }
-    if (!(model.belief >= 0.0)) {
+    if (!(model.belief >= 0.0 && model.needed >= 0.0 && model.needed < 1.0)) {
       Throw<InvalidArgument>(
-          "aspect graph: hypothesis {} of target {} with belief {}; it must not "
-          "be negative",
-          i, target.id, model.belief);
+          "aspect graph: hypothesis {} of target {} with belief {}, of which {} is needed; they "
+          "must "
+          "lie in 0..1",
+          i, target.id, model.belief, model.needed);
     }
+    sum += model.belief;
+  }
+  if (!(sum <= 1.0 + 1e-6 && target.none >= 0.0 && target.none <= 1.0)) {
+    Throw<InvalidArgument>(
+        "aspect graph: the beliefs in the hypotheses of target {} sum to {}, and in none to {}; at "
+        "most 1 each",
+        target.id, sum, target.none);
   }
   for (const Eigen::Vector3d& seen_W : target.seen_from_W) {
     if (!(std::abs(seen_W.norm() - 1.0) < 1e-6)) {
@@ -316,8 +458,8 @@ void Check(const AspectTarget& target) {
 double StrategyScore(LookStrategy strategy, const AspectTarget& target, const AspectScore& score,
                      const world::Look& look, const AspectGraphConfig& config, Rng* rng) {
   switch (strategy) {
-    case LookStrategy::kGainPerSecond:
-      return look.gain / (look.seconds + config.look_seconds);
+    case LookStrategy::kExpectedLoss:
+      return look.score;  // ScoresLookingAhead()
     case LookStrategy::kMcGreavy:
       return score.view_score;
     case LookStrategy::kNearest:
@@ -328,6 +470,29 @@ double StrategyScore(LookStrategy strategy, const AspectTarget& target, const As
       return StepScore(target, look, config);
   }
   return 0.0;
+}
+
+/// Adds the check to `look`; refuses the look when it did not pass.
+void AddCheck(const char* name, bool passed, std::string detail, world::Look* look) {
+  if (!passed) look->reason = fmt::format("{}: {}", name, detail);
+  look->feasible = look->feasible && passed;
+  look->checks.push_back({name, passed, std::move(detail)});
+}
+
+/// Does the look see enough, and bring enough for its time?
+void CheckWorth(const AspectScore& score, const AspectGraphConfig& config, world::Look* look) {
+  AddCheck("visible", look->visibility >= config.min_visibility,
+           fmt::format("{:.0f} % of {} rays to the box ({:.0f} % blocked, {:.0f} % through unknown "
+                       "space); at least {:.0f} % wanted",
+                       100.0 * look->visibility, score.box_rays, 100.0 * score.blocked,
+                       100.0 * score.through_unknown, 100.0 * config.min_visibility),
+           look);
+  if (!look->feasible) return;
+  AddCheck("worth its time", look->score >= config.loss.per_second,
+           fmt::format("{:.2g} a second, {:.2g} of it by the first look; at least {:.2g} wanted",
+                       look->score, look->gain / (look->seconds + config.look_seconds),
+                       config.loss.per_second),
+           look);
 }
 
 /// What a look is expected to bring, for people.
@@ -365,7 +530,12 @@ void AspectGraphConfig::Validate() const {
   CheckRange(look_seconds, 0.01, 3600.0, "look_seconds");
   CheckRange(depth_sigmas, 0.0, 100.0, "depth_sigmas");
   CheckRange(color_difference, 0.0, 1.0, "color_difference");
-  CheckRange(settling_difference, 1e-6, 1.0, "settling_difference");
+  loss.Validate();
+  look_ahead.Validate();
+  CheckRange(evidence, 0.0, 1e6, "evidence");
+  CheckRange(unlike, 0.0, 1.0, "unlike");
+  CheckRange(few_px, 0.0, 1e9, "few_px");
+  CheckRange(ahead_speed, 0.01, 100.0, "ahead_speed");
   CheckRange(fixed_step_deg, -360.0, 360.0, "fixed_step_deg");
 }
 
@@ -376,32 +546,29 @@ AspectGraph ScoreAspectGraph(const world::VoxelSpace& space, const geometry::Cam
   camera.Validate("of the aspect graph");
   Check(target);
   const LookStrategy strategy = ParseLookStrategy(config.strategy);
-  const geometry::CameraModel modelled =
-      camera.Scaled(static_cast<double>(config.ray_columns) / camera.width);
+  const double scale = static_cast<double>(config.ray_columns) / camera.width;
+  const geometry::CameraModel modelled = camera.Scaled(scale);
+  const Belief belief = BeliefOf(target);
   AspectGraph graph{std::move(looks), {}};
   const int count = static_cast<int>(graph.looks.size());
   graph.scores.resize(count);
   ParallelFor(count, [&](int i) {
     world::Look& look = graph.looks[i];
     if (!look.feasible) return;
-    graph.scores[i] = Analyse(space, modelled, target, look.X_WC, config);
-    look.visibility = MeanVisibility(target, graph.scores[i]);
-    look.gain = Gain(target, graph.scores[i], look.visibility, config);
+    AspectScore& score = graph.scores[i];
+    score = Analyse(space, modelled, 1.0 / (scale * scale), target, look.X_WC, config);
+    look.visibility = MeanVisibility(target, score);
+    look.gain = Gain(target, belief, score, look.visibility, config);
   });
+  if (strategy == LookStrategy::kExpectedLoss) {
+    const std::vector<double> scores = ScoresLookingAhead(target, belief, graph, config);
+    for (int i = 0; i < count; ++i) graph.looks[i].score = scores[i];
+  }
   for (int i = 0; i < count; ++i) {
     world::Look& look = graph.looks[i];
     if (!look.feasible) continue;
     look.score = StrategyScore(strategy, target, graph.scores[i], look, config, rng);
-    if (strategy != LookStrategy::kGainPerSecond) continue;
-    const AspectScore& score = graph.scores[i];
-    look.feasible = look.visibility >= config.min_visibility;
-    look.checks.push_back(
-        {"visible", look.feasible,
-         fmt::format("{:.0f} % of {} rays to the box ({:.0f} % blocked, {:.0f} % through unknown "
-                     "space); at least {:.0f} % wanted",
-                     100.0 * look.visibility, score.box_rays, 100.0 * score.blocked,
-                     100.0 * score.through_unknown, 100.0 * config.min_visibility)});
-    if (!look.feasible) look.reason = fmt::format("visible: {}", look.checks.back().detail);
+    if (strategy == LookStrategy::kExpectedLoss) CheckWorth(graph.scores[i], config, &look);
   }
   return graph;
 }

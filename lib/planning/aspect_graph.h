@@ -11,6 +11,8 @@
 #include "lib/geometry/camera_model.h"
 #include "lib/geometry/mesh.h"
 #include "lib/geometry/ray_caster.h"
+#include "lib/planning/expected_loss.h"
+#include "lib/planning/look_ahead.h"
 #include "lib/world/look.h"
 #include "lib/world/voxel_space.h"
 
@@ -18,19 +20,21 @@ namespace secondlook::planning {
 
 /// By what a candidate look is scored.
 enum class LookStrategy {
-  kGainPerSecond,  ///< Expected gain divided by the seconds it takes: the default.
-  kMcGreavy,       ///< Most of the camera's field of view filled by the model (McGreavy 2016).
-  kNearest,        ///< Baseline: the one reached soonest.
-  kRandom,         ///< Baseline: any.
-  kFixedStep,      ///< Baseline: so many degrees round the object from the last view (Wixson 1994).
+  kExpectedLoss,  ///< Expected drop of the task's loss, divided by the seconds: the default.
+  kMcGreavy,      ///< Most of the camera's field of view filled by the model (McGreavy 2016).
+  kNearest,       ///< Baseline: the one reached soonest.
+  kRandom,        ///< Baseline: any.
+  kFixedStep,     ///< Baseline: so many degrees round the object from the last view (Wixson 1994).
 };
 
-/// Parses "gain per second", "McGreavy", "nearest", "random" or "fixed step".
+/// Parses "expected loss", "McGreavy", "nearest", "random" or "fixed step".
 /// @throws ConfigError naming `text` and what is expected.
 LookStrategy ParseLookStrategy(const std::string& text);
 
 struct AspectGraphConfig {
-  std::string strategy{"gain per second"};
+  std::string strategy{"expected loss"};
+  LossConfig loss;
+  LookAheadConfig look_ahead;
   int ray_columns{160};          ///< Of the modelled camera; its rows follow from the camera's.
   double box_margin_m{0.03};     ///< Voxels so near to the target's box may be the target itself.
   double unknown_m{0.04};        ///< A ray that crosses more unknown space is probably occluded…
@@ -44,13 +48,19 @@ struct AspectGraphConfig {
   double depth_sigmas{2.0};           ///< Two depths differ when so many sigma apart.
   double color_difference{0.2};       ///< Two colours differ when their largest channel does by so
                                       ///< much, of 1.
-  double settling_difference{0.1};    ///< Two hypotheses that differ on this share of the rays to
-                                      ///< them are told apart with probability 1 - 1/e.
-  double fixed_step_deg{180.0};       ///< Of the strategy "fixed step".
+  double evidence{25.0};  ///< For one hypothesis against another where all that is seen of them
+                          ///< differs [nat]: how steep perception::ScoreOf() is.
+  double unlike{0.2};    ///< What is none of the hypotheses differs from each by so much of what is
+                         ///< seen of it for the first time.
+  double few_px{500.0};  ///< With so many pixels on a thing, a view gives half of its evidence.
+  double ahead_speed{0.3};       ///< From one look to the next, turns included [m/s].
+  double fixed_step_deg{180.0};  ///< Of the strategy "fixed step".
 
   template <class A>
   void Serialize(A* a) {
     a->Visit("strategy", &strategy);
+    a->Visit("loss", &loss);
+    a->Visit("look_ahead", &look_ahead);
     a->Visit("ray_columns", &ray_columns);
     a->Visit("box_margin_m", &box_margin_m);
     a->Visit("unknown_m", &unknown_m);
@@ -63,7 +73,10 @@ struct AspectGraphConfig {
     a->Visit("look_seconds", &look_seconds);
     a->Visit("depth_sigmas", &depth_sigmas);
     a->Visit("color_difference", &color_difference);
-    a->Visit("settling_difference", &settling_difference);
+    a->Visit("evidence", &evidence);
+    a->Visit("unlike", &unlike);
+    a->Visit("few_px", &few_px);
+    a->Visit("ahead_speed", &ahead_speed);
     a->Visit("fixed_step_deg", &fixed_step_deg);
   }
   /// @throws ConfigError naming the value.
@@ -75,15 +88,16 @@ struct PosedModel {
   const geometry::Mesh* mesh{};         ///< Not null; for the colours.
   const geometry::RayCaster* caster{};  ///< Not null; of the same mesh.
   Pose X_WM{Pose::Identity()};
-  double belief{1.0};  ///< Relative to that of the other hypotheses, >= 0.
+  double belief{0.5};  ///< Its probability; those of a target sum to at most 1.
+  double needed{0.9};  ///< The task decides for it from this probability on, in [0, 1).
 };
 
 /// What the next look is for.
 struct AspectTarget {
-  int id{-1};                          ///< Object id, as the looks carry it.
+  int id{-1};  ///< Object id, as the looks carry it; -1: space where one could stand unseen.
   Eigen::AlignedBox3d box_W;           ///< Around the candidate: its hypotheses and its points.
   std::vector<PosedModel> hypotheses;  ///< Empty: no model fits.
-  double worth{1.0};                   ///< What settling it brings, relative to other targets.
+  double none{0.5};  ///< Probability that nothing that is known fits. Of hypotheses it is the rest.
   /// Unit vectors from the target to the cameras of the views taken, oldest first, none of which
   /// has settled it.
   std::vector<Eigen::Vector3d> seen_from_W;
@@ -109,6 +123,7 @@ struct AspectScore {
   double difference{};  ///< Mean over pairs of hypotheses, by belief: share of the rays to
                         ///< either on which what would be seen differs.
   double novelty{};     ///< Of the direction, against the views taken, in [0, 1].
+  std::vector<Prospect> prospects;  ///< Among the hypotheses and, last, none of them.
 };
 
 /// The candidates with their scores.
@@ -123,14 +138,18 @@ struct AspectGraph {
 /// cast through `space`; those stopped before the box are dropped. Model analysis: the others are
 /// cast at each hypothesis' mesh. With several hypotheses the paper subtracts the differences of
 /// the visible shares from their sum. That finds a view of both but not one that tells them apart;
-/// the default strategy also compares what each ray would measure, depth and colour. A target
-/// without a model has the environment analysis alone.
+/// the default strategy also compares what each ray would measure, depth and colour, and predicts
+/// what would be believed after the view. The evidence of a view is the share of the rays on which
+/// two hypotheses differ, times `evidence`, novelty and pixels / (pixels + few_px); unknown space
+/// on the way hides what is behind all of it, or nothing. A target without a model has the
+/// environment analysis alone.
 ///
-/// Fills in visibility, gain, score and the check "visible" of each look:
+/// Fills in visibility, gain, score and the check "visible" of each look, by the default strategy
+/// "worth its time", too:
 ///   visibility = box shares of the hypotheses, averaged by belief (no model: `surviving`)
-///   gain       = worth x novelty x visibility
-///                x (1 - exp(-difference / settling_difference), with several hypotheses)
-///   score      = gain / (seconds + look_seconds), or what the strategy says instead.
+///   gain       = expected drop of the task's loss
+///   score      = gain per second of the best plan of one or two looks that begins with this one
+///                (GainsLookingAhead), or what the strategy says instead.
 ///
 /// @param camera The real camera; it is modelled with ray_columns columns.
 /// @param rng Used by the strategy "random" alone. Not null.

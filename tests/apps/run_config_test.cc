@@ -45,7 +45,7 @@ TEST(RunConfig, ReadsBackFromWhatIsWrittenBesideAReport) {
   const TemporaryFolder folder;
   const RunConfig config = LoadRunConfig(
       "config/sim.yaml", {"seed=18446744073709551615", "task.wanted={mug: 0.99, book: 0.5}",
-                          "task.budget.seconds=0.1", "mission.looks.hidden_worth=0.123456789",
+                          "task.budget.seconds=0.1", "mission.looks.plan_seconds=0.123456789",
                           "robot.noise.color_sigma=1.5", "robot.camera_fault=nan"});
   SaveRunConfig(config, folder / "report" / "config.yaml");
   RunConfig again = LoadRunConfig(folder / "report" / "config.yaml", {});

@@ -62,5 +62,25 @@ TEST(Mean, OfOneValueIsThatValueAndOfNoneIsNoNumber) {
   EXPECT_TRUE(std::isnan(Mean({}).value));
 }
 
+TEST(BootstrappedMean, IsTheMeanWithAnIntervalAboutAsWideAsTheNormalOne) {
+  Rng rng(7);
+  std::vector<double> values;
+  for (int i = 0; i < 200; ++i) values.push_back(3.0 + rng.Gaussian(2.0));
+  const Estimate normal = Mean(values);
+  const Estimate bootstrapped = BootstrappedMean(values);
+  EXPECT_NEAR(bootstrapped.value, normal.value, 1e-12);
+  EXPECT_NEAR(bootstrapped.low, normal.low, 0.08);
+  EXPECT_NEAR(bootstrapped.high, normal.high, 0.08);
+  EXPECT_EQ(BootstrappedMean(values).low, bootstrapped.low) << "nothing is left to chance";
+  EXPECT_TRUE(std::isnan(BootstrappedMean({}).value));
+}
+
+TEST(BootstrappedRatio, IsThatOfTheSums) {
+  const Estimate ratio = BootstrappedRatio({1.0, 3.0}, {4.0, 4.0});
+  EXPECT_DOUBLE_EQ(ratio.value, 0.5);
+  EXPECT_DOUBLE_EQ(ratio.low, 0.25);
+  EXPECT_DOUBLE_EQ(ratio.high, 0.75);
+}
+
 }  // namespace
 }  // namespace secondlook::apps

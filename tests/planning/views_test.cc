@@ -132,12 +132,63 @@ TEST(CandidateViews, OfATargetOutsideOfTheMapAreAllRefusedWithAReason) {
   }
 }
 
+TEST(UsefulDistances, FollowFromTheDepthsNoiseAndThePixelsOnTheTarget) {
+  // 4 mm = 1.2 mm + 1.9 mm/m^2 (z - 0.4 m)^2 at z = 1.614 m; the camera is 0.35 m above the target.
+  const Vector3d center(0, 0, 0.85);
+  const auto box = [&](double side) {
+    return Eigen::AlignedBox3d(center - Vector3d::Constant(0.5 * side),
+                               center + Vector3d::Constant(0.5 * side));
+  };
+  DistanceRange range = UsefulDistances(box(0.2), MakeCarrier());
+  const double diagonal = 0.2 * std::sqrt(3.0);
+  EXPECT_NEAR(range.far, std::sqrt(1.614 * 1.614 - 0.35 * 0.35), 1e-3);
+  EXPECT_NEAR(range.near, std::sqrt(std::pow(0.5 + 0.5 * diagonal, 2) - 0.35 * 0.35), 1e-6);
+  // A small thing has to be nearer: 0.05 m sqrt(3) spans 60 px at 0.833 m.
+  range = UsefulDistances(box(0.05), MakeCarrier());
+  EXPECT_NEAR(range.far, std::sqrt(0.833 * 0.833 - 0.35 * 0.35), 2e-3);
+  // A large one farther: 0.8 m sqrt(3) fills 480 px at 1.666 m, where depth is no good any more.
+  range = UsefulDistances(box(0.8), MakeCarrier());
+  EXPECT_GT(range.near, range.far);
+}
+
+TEST(PlacedViews, StandFreeAndReachableAtUsefulDistancesAllAround) {
+  const Room room;
+  const CameraCarrier carrier = MakeCarrier();
+  const Eigen::AlignedBox3d box_W(Vector3d(0.2, -0.1, 0.75), Vector3d(0.4, 0.1, 0.95));
+  const CollisionChecker collision(room.space, room.supports_W, carrier.base);
+  const CostMap map(room.space, room.supports_W, carrier.base, {0.0, 0.0});
+  const Routes routes(map, room.X_WB, carrier.base);
+  const std::vector<world::Look> looks =
+      PlacedViews(box_W, 7, carrier, {collision, routes, {0.0, 0.3}});
+  const DistanceRange range = UsefulDistances(box_W, carrier);
+  ASSERT_GE(looks.size(), 12U);
+  EXPECT_LE(looks.size(), 24U);
+  int left = 0;
+  for (const world::Look& look : looks) {
+    EXPECT_TRUE(look.feasible);
+    EXPECT_EQ(look.target, 7);
+    EXPECT_FALSE(collision.Touches(look.X_WB).has_value());
+    EXPECT_EQ(look.path_W.back(), look.X_WB);
+    const double distance = std::hypot(look.X_WB.x - 0.3, look.X_WB.y);
+    EXPECT_GE(distance, range.near - 1e-9);
+    EXPECT_LE(distance, range.far + 1e-9);
+    if (look.X_WB.y > 0.0) ++left;
+  }
+  EXPECT_GE(left, static_cast<int>(looks.size()) / 4);
+  EXPECT_LE(left, 3 * static_cast<int>(looks.size()) / 4);
+  EXPECT_THROWS(PlacedViews(Eigen::AlignedBox3d(), 7, carrier, {collision, routes, {0.0, 0.3}}),
+                InvalidArgument, "the box of target 7 is empty");
+}
+
 TEST(CandidateViews, RefuseBadInput) {
   EXPECT_THROWS(Room().Candidates({NAN, 0, 0}, MakeCarrier()), InvalidArgument,
                 "p_WT = (nan, 0, 0) m of target 7");
   ViewsConfig config;
   config.poses = 37;
   EXPECT_THROWS(config.Validate(), ConfigError, "poses = 37 must be an even number");
+  config = {};
+  config.max_depth_sigma_m = 0.0;
+  EXPECT_THROWS(config.Validate(), ConfigError, "max_depth_sigma_m = 0 must lie in 0.0012..1");
   config = {};
   config.inner_radius_m = 2.0;
   EXPECT_THROWS(config.Validate(), ConfigError, "inner_radius_m = 2");

@@ -1,0 +1,219 @@
+#include "apps/look_planner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lib/fusion/dempster_shafer.h"
+#include "lib/planning/collision.h"
+#include "lib/planning/cost_map.h"
+#include "lib/planning/path.h"
+
+namespace secondlook::apps {
+namespace {
+
+using Eigen::Vector3d;
+using world::ObjectBelief;
+
+/// Hypotheses with less than this share of the best one's support do not guide a look …
+constexpr double kMinSupportShare = 0.3;
+/// … and below this support, no model fits at all.
+constexpr double kMinSupport = 0.15;
+constexpr std::size_t kMaxHypotheses = 4;
+/// Of so many looks, the best for their own sake, it is asked what else they show.
+constexpr std::size_t kLooksBeside = 8;
+
+/// The probabilities of hypotheses of one object: what is believed of each class, shared among its
+/// poses by how far the views prefer one to the other. What is missing to 1 is left for others.
+std::vector<double> Probabilities(const ObjectBelief& object,
+                                  const std::vector<const world::PoseHypothesis*>& hypotheses,
+                                  const fusion::ConcludeConfig& config) {
+  std::vector<double> shares;
+  for (const world::PoseHypothesis* h : hypotheses) {
+    double odds = 0.0;  // of all poses of its class, against it
+    for (const world::PoseHypothesis* other : hypotheses) {
+      if (other->model == h->model) odds += std::exp(fusion::Lead(config, *other, *h));
+    }
+    shares.push_back(fusion::NormalisedBelief(object.masses, h->model) / odds);
+  }
+  return shares;
+}
+
+}  // namespace
+
+Eigen::AlignedBox3d PlacedBox(const geometry::Mesh& mesh, const Pose& X_WM) {
+  const Eigen::AlignedBox3d box_M = geometry::Bounds(mesh);
+  Eigen::AlignedBox3d box_W;
+  for (int corner = 0; corner < 8; ++corner) {
+    box_W.extend(X_WM * box_M.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  }
+  return box_W;
+}
+
+LookPlanner::LookPlanner(const LookConfig& config, const UnderstandingConfig& understanding,
+                         planning::CameraCarrier carrier)
+    : config_(config),
+      conclude_(understanding.conclude),
+      registration_(understanding.registration),
+      carrier_(std::move(carrier)) {
+  config_.cost_map.Validate();
+  config_.views.Validate();
+  config_.aspect_graph.Validate();
+}
+
+std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene,
+                                                 const world::Task& task, const Question& question,
+                                                 const Stance& stance, Rng* rng) {
+  const world::SupportPlane& plane_W = *scene.belief().plane_W;
+  const std::vector<world::SupportPlane> supports_W{plane_W};
+  Vector3d center_W = Vector3d::Zero();
+  for (const Vector3d& corner : plane_W.corners_A) center_W += corner / 4.0;
+  planning::CostMap map(scene.space(), supports_W, carrier_.base, center_W.head<2>(),
+                        config_.cost_map);
+  for (const Eigen::Vector2d& p : blocked_W_) map.Block(p, config_.blocked_radius_m);
+  const planning::CollisionChecker collision(scene.space(), supports_W, carrier_.base,
+                                             config_.cost_map);
+  const planning::Routes routes(map, stance.X_WB, carrier_.base);
+  const planning::Reach reach{collision, routes, stance.head};
+
+  std::vector<planning::AspectTarget> targets;
+  for (const ObjectBelief* object : question.open)
+    targets.push_back(TargetFor(scene, task, *object));
+  for (const auto& box_W : question.hidden_W) targets.push_back(TargetFor(scene, box_W));
+
+  const bool by_loss = planning::ParseLookStrategy(config_.aspect_graph.strategy) ==
+                       planning::LookStrategy::kExpectedLoss;
+  const planning::CommonGround ground(scene.reference().Points(), registration_);
+  std::vector<world::Look> looks;
+  std::vector<int> target_of;  // one a look
+  for (int t = 0; t < static_cast<int>(targets.size()); ++t) {
+    const int id = targets[t].id;
+    const Eigen::AlignedBox3d& box_W = targets[t].box_W;
+    std::vector<world::Look> views =
+        planning::CandidateViews(box_W.center(), id, carrier_, reach, config_.views);
+    for (world::Look& view : planning::PlacedViews(box_W, id, carrier_, reach, config_.views)) {
+      views.push_back(std::move(view));
+    }
+    planning::AspectGraph graph =
+        planning::ScoreAspectGraph(scene.space(), carrier_.camera.model, targets[t],
+                                   std::move(views), rng, config_.aspect_graph);
+    for (world::Look& look : graph.looks) {
+      look.kind = targets[t].id < 0 ? "hidden_space" : "aspect_graph";
+      if (by_loss && look.feasible) WeighByCommonGround(ground, &look);
+      looks.push_back(std::move(look));
+      target_of.push_back(t);
+    }
+  }
+  if (by_loss) AddGainsBeside(scene.space(), ground, targets, target_of, &looks);
+  return looks;
+}
+
+/// A view that cannot be registered to the map brings nothing.
+void LookPlanner::WeighByCommonGround(const planning::CommonGround& ground,
+                                      world::Look* look) const {
+  const double chance = ground.Chance(look->X_WC, carrier_.camera);
+  if (chance == 1.0) return;
+  look->checks.push_back(
+      {"common ground", true,
+       fmt::format("{:.0f} pairs with the map of the {} that registration wants: "
+                   "gain {:.3g} with a chance of {:.2f}",
+                   ground.Pairs(look->X_WC, carrier_.camera), registration_.min_pairs, look->gain,
+                   chance)});
+  look->gain *= chance;
+  look->score *= chance;
+}
+
+/// A look shows more than it is for: adds to the best few what they bring to the other targets.
+void LookPlanner::AddGainsBeside(const world::VoxelSpace& space,
+                                 const planning::CommonGround& ground,
+                                 const std::vector<planning::AspectTarget>& targets,
+                                 const std::vector<int>& target_of,
+                                 std::vector<world::Look>* looks) const {
+  std::vector<int> best;
+  for (int i = 0; i < static_cast<int>(looks->size()); ++i) {
+    if ((*looks)[i].feasible) best.push_back(i);
+  }
+  std::stable_sort(best.begin(), best.end(),
+                   [&](int a, int b) { return (*looks)[a].score > (*looks)[b].score; });
+  best.resize(std::min(best.size(), kLooksBeside));
+
+  planning::AspectGraphConfig config = config_.aspect_graph;
+  config.look_ahead.firsts = 0;
+  Rng unused(0);
+  std::vector<double> beside(best.size(), 0.0);
+  for (int t = 0; t < static_cast<int>(targets.size()); ++t) {
+    std::vector<world::Look> seen;
+    for (const int i : best) {
+      seen.push_back((*looks)[i]);
+      seen.back().feasible = target_of[i] != t;
+    }
+    const planning::AspectGraph graph = planning::ScoreAspectGraph(
+        space, carrier_.camera.model, targets[t], std::move(seen), &unused, config);
+    for (std::size_t k = 0; k < best.size(); ++k) {
+      if (target_of[best[k]] != t) beside[k] += graph.looks[k].gain;
+    }
+  }
+  for (std::size_t k = 0; k < best.size(); ++k) {
+    if (!(beside[k] > 0.0)) continue;
+    world::Look& look = (*looks)[best[k]];
+    beside[k] *= ground.Chance(look.X_WC, carrier_.camera);
+    look.checks.push_back({"sees beside", true,
+                           fmt::format("gain {:.3g} at the target and {:.3g} at other things",
+                                       look.gain, beside[k])});
+    look.gain += beside[k];
+    look.score += beside[k] / (look.seconds + config.look_seconds);
+  }
+}
+
+planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
+                                              const world::Task& task, const ObjectBelief& object) {
+  planning::AspectTarget target;
+  target.id = object.id;
+  target.box_W = object.extent_W;
+  target.none = std::min(fusion::NormalisedIgnorance(object.masses), task.confidence);
+  std::vector<const world::PoseHypothesis*> guiding;
+  const world::PoseHypothesis* best = object.Best();
+  for (const world::PoseHypothesis& h : object.hypotheses) {
+    if (best == nullptr || best->support < kMinSupport) break;
+    if (h.struck || h.support < kMinSupportShare * best->support) continue;
+    if (guiding.size() == kMaxHypotheses) break;
+    guiding.push_back(&h);
+  }
+  const std::vector<double> beliefs = Probabilities(object, guiding, conclude_);
+  for (std::size_t i = 0; i < guiding.size(); ++i) {
+    const world::PoseHypothesis& h = *guiding[i];
+    const perception::RecognitionModel* model = perception::FindModel(scene.models(), h.model);
+    // What keeps an object open although its class is sure enough is doubt as well.
+    const double needed = task.ConfidenceFor(h.model);
+    target.hypotheses.push_back(
+        {&model->mesh, &CasterOf(*model), h.X_WM, std::min(beliefs[i], needed), needed});
+    target.box_W.extend(PlacedBox(model->mesh, h.X_WM));
+  }
+  for (const world::Sighting& sighting : object.sightings) {
+    const Pose& X_WC = scene.belief().views[sighting.view].X_WC;
+    target.seen_from_W.push_back((X_WC.translation() - object.extent_W.center()).normalized());
+  }
+  for (const Vector3d& p : vain_views_W_) {
+    target.seen_from_W.push_back((p - object.extent_W.center()).normalized());
+  }
+  return target;
+}
+
+planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
+                                              const Eigen::AlignedBox3d& hidden_W) const {
+  planning::AspectTarget target;
+  target.box_W = hidden_W;
+  for (const world::Observation& view : scene.belief().views) {
+    target.seen_from_W.push_back((view.X_WC.translation() - hidden_W.center()).normalized());
+  }
+  for (const Vector3d& p : vain_views_W_) {
+    target.seen_from_W.push_back((p - hidden_W.center()).normalized());
+  }
+  return target;
+}
+
+const geometry::RayCaster& LookPlanner::CasterOf(const perception::RecognitionModel& model) {
+  return ray_casters_.try_emplace(model.name, model.mesh).first->second;
+}
+
+}  // namespace secondlook::apps

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "apps/mission_config.h"
+#include "apps/scene_understanding.h"
+#include "lib/common/rng.h"
+#include "lib/fusion/conclude.h"
+#include "lib/geometry/ray_caster.h"
+#include "lib/perception/register_view.h"
+#include "lib/planning/aspect_graph.h"
+#include "lib/planning/common_ground.h"
+#include "lib/planning/views.h"
+#include "lib/world/look.h"
+#include "lib/world/object_belief.h"
+#include "lib/world/task.h"
+
+namespace secondlook::apps {
+
+/// Where the robot stands, as it believes.
+struct Stance {
+  Pose2 X_WB;
+  hal::PanTiltAngles head;
+};
+
+/// The box in W around the model's own box at X_WM.
+Eigen::AlignedBox3d PlacedBox(const geometry::Mesh& mesh, const Pose& X_WM);
+
+/// What the next look is to answer.
+struct Question {
+  std::vector<const world::ObjectBelief*> open;   ///< That may have another look.
+  std::vector<const world::ObjectBelief*> spent;  ///< Open, but had all the looks it may have.
+  std::vector<Eigen::AlignedBox3d> hidden_W;      ///< Where something could stand unseen.
+
+  bool Empty() const { return open.empty() && hidden_W.empty(); }
+};
+
+/// The half of the cycle that decides where to look next: the candidates for all that is open, what
+/// each would cost and bring. It remembers which looks were no help.
+class LookPlanner {
+ public:
+  /// @throws ConfigError when `config` holds a value that is not valid.
+  LookPlanner(const LookConfig& config, const UnderstandingConfig& understanding,
+              planning::CameraCarrier carrier);
+
+  /// Something stands around this point of the floor that the map does not show.
+  void Block(const Eigen::Vector2d& p_W) { blocked_W_.push_back(p_W); }
+
+  /// The view from this point taught nothing.
+  void NoteVain(const Eigen::Vector3d& p_WC) { vain_views_W_.push_back(p_WC); }
+
+  /// Every candidate for what `question` asks, with its checks and its score; none is chosen yet.
+  /// @param rng Used by the strategy "random" alone. Not null.
+  /// @pre scene.belief().plane_W.
+  std::vector<world::Look> Candidates(const SceneUnderstanding& scene, const world::Task& task,
+                                      const Question& question, const Stance& stance, Rng* rng);
+
+ private:
+  planning::AspectTarget TargetFor(const SceneUnderstanding& scene, const world::Task& task,
+                                   const world::ObjectBelief& object);
+  planning::AspectTarget TargetFor(const SceneUnderstanding& scene,
+                                   const Eigen::AlignedBox3d& hidden_W) const;
+  void WeighByCommonGround(const planning::CommonGround& ground, world::Look* look) const;
+  void AddGainsBeside(const world::VoxelSpace& space, const planning::CommonGround& ground,
+                      const std::vector<planning::AspectTarget>& targets,
+                      const std::vector<int>& target_of, std::vector<world::Look>* looks) const;
+  const geometry::RayCaster& CasterOf(const perception::RecognitionModel& model);
+
+  LookConfig config_;
+  fusion::ConcludeConfig conclude_;
+  perception::RegisterConfig registration_;
+  planning::CameraCarrier carrier_;
+  std::map<std::string, geometry::RayCaster> ray_casters_;  // by name of the model
+  std::vector<Eigen::Vector2d> blocked_W_;
+  std::vector<Eigen::Vector3d> vain_views_W_;
+};
+
+}  // namespace secondlook::apps

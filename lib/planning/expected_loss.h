@@ -1,0 +1,76 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace secondlook::planning {
+
+/// What a task loses by how things are left, in any one unit: the one currency in which looks of
+/// every kind are weighed.
+struct LossConfig {
+  double wrong{10.0};      ///< By a thing that is called what it is not.
+  double unsettled{1.0};   ///< By a thing that is left open.
+  double incomplete{0.3};  ///< By what nobody has looked at, e.g. where a thing may stand hidden; a
+                           ///< part counts by its share.
+  double per_second{5e-4};  ///< A look that saves less than this a second is not worth its time.
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("wrong", &wrong);
+    a->Visit("unsettled", &unsettled);
+    a->Visit("incomplete", &incomplete);
+    a->Visit("per_second", &per_second);
+  }
+  /// @throws ConfigError naming the value.
+  void Validate() const;
+};
+
+/// Something that may be true of a thing, e.g. that a model stands there at a pose.
+struct Alternative {
+  double probability{};
+  double needed{0.9};  ///< The task decides for it from this probability on, in [0, 1).
+};
+
+/// What is believed of one thing: alternatives of which exactly one is true, and how much of it has
+/// not been seen.
+struct Belief {
+  std::vector<Alternative> alternatives;  ///< Probabilities sum to 1, or there are none.
+  double incomplete{};                    ///< Share in [0, 1].
+};
+
+/// One way a look may turn out, and what would be believed then.
+struct Outcome {
+  double probability{};
+  Belief belief;
+};
+
+/// What a view may show of the alternatives, with the chance that it does.
+struct Prospect {
+  double probability{1.0};
+  /// [n, n], symmetric, >= 0 [nat]: (i, j) is the evidence for i against j that the view is
+  /// expected to give when i is true. 0: they look alike from there.
+  Eigen::MatrixXd evidence;
+};
+
+/// The loss of the best decision on `belief`: to leave the thing open, or to decide for an
+/// alternative and be wrong with the probability of all others; the cost of being wrong is such
+/// that nothing is decided below the probability that it needs. What is incomplete comes on top.
+double Loss(const Belief& belief, const LossConfig& config);
+
+double ExpectedLoss(const std::vector<Outcome>& outcomes, const LossConfig& config);
+
+/// How a look may turn out, for every alternative that may be true and for the luck of the view:
+/// evidence k comes out normal, with mean k and variance 2 k, as that of n independent Gaussian
+/// measurements does. Its probabilities sum to 1.
+/// @throws InvalidArgument when a prospect's evidence does not fit the alternatives.
+std::vector<Outcome> Outcomes(const Belief& prior, const std::vector<Prospect>& prospects);
+
+/// The expected drop of the loss by a look with these outcomes, per second that it takes: the same
+/// for a view that tells poses apart, a vote that sharpens a class and a scan that completes a
+/// model.
+/// @throws InvalidArgument when `seconds` is not positive.
+double GainPerSecond(const Belief& prior, const std::vector<Outcome>& outcomes, double seconds,
+                     const LossConfig& config);
+
+}  // namespace secondlook::planning
