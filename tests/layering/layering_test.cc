@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 const std::map<std::string, std::set<std::string>> kAllowed = {
     {"lib/common", {}},
     {"lib/geometry", {"lib/common"}},
-    {"lib/kinematics", {"lib/common"}},
+    {"lib/kinematics", {"lib/common", "lib/geometry"}},
     {"lib/transport", {"lib/common"}},
     {"lib/hal", {"lib/common", "lib/geometry"}},
     {"lib/hal/replay",
