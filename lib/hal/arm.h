@@ -42,7 +42,8 @@ class Arm {
 
   /// Begins to follow `trajectory` and returns at once. A motion in progress is never replaced, as
   /// a trajectory begins at rest: stop it first, or let it end.
-  /// @throws InvalidArgument as CheckTrajectory(), or when the arm moves; what it does goes on then.
+  /// @throws InvalidArgument as CheckTrajectory(), or when the arm moves; what it does goes on
+  /// then.
   /// @throws DeviceError naming the arm if it is lost.
   virtual void Start(const JointTrajectory& trajectory) = 0;
 

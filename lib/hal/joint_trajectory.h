@@ -9,8 +9,8 @@ namespace secondlook::hal {
 
 /// What one joint of an arm can do. It is a revolute joint.
 struct JointInfo {
-  std::string name;       ///< What messages call it, e.g. "joint_4".
-  double lower{};         ///< Both limits [rad], lower < upper.
+  std::string name;  ///< What messages call it, e.g. "joint_4".
+  double lower{};    ///< Both limits [rad], lower < upper.
   double upper{};
   double speed{};         ///< At most [rad/s], > 0.
   double acceleration{};  ///< At most [rad/s^2], > 0.

@@ -55,25 +55,25 @@ Chain::Chain(RobotModel model, const std::string& tip) {
   for (const int i : way) {
     const Joint& joint = links[i].joint;
     if (!joint.turns) {
-      parts->kdl.addSegment(KDL::Segment(links[i].name, KDL::Joint(KDL::Joint::Fixed),
-                                         ToFrame(joint.X_PL)));
+      parts->kdl.addSegment(
+          KDL::Segment(links[i].name, KDL::Joint(KDL::Joint::Fixed), ToFrame(joint.X_PL)));
       continue;
     }
     parts->links.push_back(i);
     // KDL turns about an axis given in the parent, and then goes on to the link's frame.
-    parts->kdl.addSegment(KDL::Segment(
-        links[i].name,
-        KDL::Joint(joint.name, ToVector(joint.X_PL.translation()),
-                   ToVector(joint.X_PL.linear() * joint.axis_L), KDL::Joint::RotAxis),
-        ToFrame(joint.X_PL)));
+    parts->kdl.addSegment(
+        KDL::Segment(links[i].name,
+                     KDL::Joint(joint.name, ToVector(joint.X_PL.translation()),
+                                ToVector(joint.X_PL.linear() * joint.axis_L), KDL::Joint::RotAxis),
+                     ToFrame(joint.X_PL)));
   }
   if (parts->links.empty()) {
     Throw<ConfigError>("robot '{}': no joint between its root '{}' and the tip '{}'",
                        parts->model.name, links.front().name, tip);
   }
   for (const Link& link : links) {
-    parts->resting.push_back(
-        link.joint.turns ? std::clamp(0.0, link.joint.lower, link.joint.upper) : 0.0);
+    parts->resting.push_back(link.joint.turns ? std::clamp(0.0, link.joint.lower, link.joint.upper)
+                                              : 0.0);
   }
   parts_ = std::move(parts);
 }
@@ -85,6 +85,11 @@ const RobotModel& Chain::model() const { return parts_->model; }
 int Chain::size() const { return static_cast<int>(parts_->links.size()); }
 
 int Chain::link_of(int i) const { return parts_->links[i]; }
+
+bool Chain::Moves(int link) const {
+  while (link > 0 && link != link_of(0)) link = model().links[link].parent;
+  return link > 0;
+}
 
 const Joint& Chain::joint(int i) const { return parts_->model.links[parts_->links[i]].joint; }
 

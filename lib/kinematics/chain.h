@@ -28,6 +28,8 @@ class Chain {
   /// Joint `i`, counted from the base, and the index of the link that it moves.
   const Joint& joint(int i) const;
   int link_of(int i) const;
+  /// True when some joint of the chain moves the link of that index.
+  bool Moves(int link) const;
 
   /// True when every angle lies within its limits. @pre q has size() values, here and below.
   bool WithinLimits(const Eigen::VectorXd& q) const;

@@ -98,8 +98,8 @@ class Search {
     const Eigen::VectorXd slope = jacobian.transpose() * error;
     for (int i = 0; i < chain_.size(); ++i) {
       const Joint& joint = chain_.joint(i);
-      const bool held = (q_[i] >= joint.upper && slope[i] > 0.0) ||
-                        (q_[i] <= joint.lower && slope[i] < 0.0);
+      const bool held =
+          (q_[i] >= joint.upper && slope[i] > 0.0) || (q_[i] <= joint.lower && slope[i] < 0.0);
       if (held) jacobian.col(i).setZero();
     }
     Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
@@ -150,8 +150,9 @@ double Travel(const Chain& chain, const Eigen::VectorXd& from, const Eigen::Vect
 
 void Check(const Chain& chain, const ToolGoal& goal, const Eigen::VectorXd& near) {
   if (!IsValid(goal.X_BC) || !IsValid(goal.X_EC)) {
-    Throw<InvalidArgument>("inverse kinematics: the goal X_BC or the tool X_EC is no rigid "
-                           "transform");
+    Throw<InvalidArgument>(
+        "inverse kinematics: the goal X_BC or the tool X_EC is no rigid "
+        "transform");
   }
   if (near.size() != chain.size() || !near.allFinite()) {
     Throw<InvalidArgument>(

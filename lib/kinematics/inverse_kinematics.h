@@ -10,12 +10,12 @@
 namespace secondlook::kinematics {
 
 struct InverseKinematicsConfig {
-  int starts{32};                ///< Joint angles that the search begins from, one after the other.
-  int iterations{120};           ///< From each of them, at most.
-  int solutions{4};              ///< Enough of them; the search ends.
-  double position_m{1e-5};       ///< How exact a solution is, at most 1e-4 …
-  double rotation_deg{1e-3};     ///< … and at most 1e-2.
-  double apart_deg{5.0};         ///< Solutions differ by at least so much in some joint.
+  int starts{32};             ///< Joint angles that the search begins from, one after the other.
+  int iterations{120};        ///< From each of them, at most.
+  int solutions{4};           ///< Enough of them; the search ends.
+  double position_m{1e-5};    ///< How exact a solution is, at most 1e-4 …
+  double rotation_deg{1e-3};  ///< … and at most 1e-2.
+  double apart_deg{5.0};      ///< Solutions differ by at least so much in some joint.
 
   template <class A>
   void Serialize(A* a) {
@@ -40,9 +40,9 @@ struct ToolGoal {
 /// How a goal can be met.
 struct JointSolutions {
   std::vector<Eigen::VectorXd> q;  ///< Within the limits, that soonest reached first; may be empty.
-  double position_error{};         ///< Of the nearest that was found [m], 0 when there is a solution.
-  double rotation_error{};         ///< Of the same [rad].
-  std::string reason;              ///< Why there is none: "unreachable: the nearest is 0.040 m …".
+  double position_error{};  ///< Of the nearest that was found [m], 0 when there is a solution.
+  double rotation_error{};  ///< Of the same [rad].
+  std::string reason;       ///< Why there is none: "unreachable: the nearest is 0.040 m …".
 };
 
 /// Joint angles that bring C to its goal: damped least squares (Levenberg, Marquardt) with joints

@@ -47,10 +47,10 @@ urdf::ModelInterfaceSharedPtr Parse(const std::string& text, const std::string& 
 Pose ToPose(const urdf::Pose& pose) {
   Pose X = Pose::Identity();
   X.translation() << pose.position.x, pose.position.y, pose.position.z;
-  X.linear() = Eigen::Quaterniond(pose.rotation.w, pose.rotation.x, pose.rotation.y,
-                                  pose.rotation.z)
-                   .normalized()
-                   .toRotationMatrix();
+  X.linear() =
+      Eigen::Quaterniond(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z)
+          .normalized()
+          .toRotationMatrix();
   return X;
 }
 
@@ -136,8 +136,8 @@ void RequireTree(const urdf::ModelInterface& tree, const std::string& source) {
   for (const auto& [name, joint] : tree.joints_) {
     const auto [other, first] = joint_of.emplace(joint->child_link_name, name);
     if (first) continue;
-    Throw<ConfigError>("{}: link '{}' is the child of joint '{}' and of joint '{}': a loop",
-                       source, joint->child_link_name, other->second, name);
+    Throw<ConfigError>("{}: link '{}' is the child of joint '{}' and of joint '{}': a loop", source,
+                       joint->child_link_name, other->second, name);
   }
 }
 

@@ -14,11 +14,11 @@ namespace secondlook::kinematics {
 /// What joins a link L to its parent P.
 struct Joint {
   std::string name;
-  Pose X_PL{Pose::Identity()};               ///< With the joint at 0.
-  bool turns{};                              ///< A revolute joint; false: a fixed one.
-  Eigen::Vector3d axis_L{0.0, 0.0, 1.0};     ///< Unit; the rest is of a revolute joint alone.
-  double lower{}, upper{};                   ///< Limits [rad], lower < upper.
-  double speed{};                            ///< Limit [rad/s], > 0.
+  Pose X_PL{Pose::Identity()};            ///< With the joint at 0.
+  bool turns{};                           ///< A revolute joint; false: a fixed one.
+  Eigen::Vector3d axis_L{0.0, 0.0, 1.0};  ///< Unit; the rest is of a revolute joint alone.
+  double lower{}, upper{};                ///< Limits [rad], lower < upper.
+  double speed{};                         ///< Limit [rad/s], > 0.
 };
 
 /// A rigid part of a robot.

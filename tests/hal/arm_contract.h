@@ -66,8 +66,8 @@ class ArmContract : public ::testing::TestWithParam<ArmFactory> {
     for (int i = 0; i < q.size(); ++i) {
       const JointInfo& joint = arm_.info().joints[i];
       const double way = std::abs(goal[i] - q[i]);
-      seconds = std::max({seconds, 3.0 * way / joint.speed,
-                          std::sqrt(12.0 * way / joint.acceleration)});
+      seconds =
+          std::max({seconds, 3.0 * way / joint.speed, std::sqrt(12.0 * way / joint.acceleration)});
     }
     return {{{0.0, q, rest}, {seconds, goal, rest}}};
   }

@@ -46,9 +46,10 @@ TEST(CheckTrajectory, AcceptsWhatKeepsEveryLimit) {
 
 TEST(CheckTrajectory, SeesTheSpeedBetweenKnots) {
   // 0.525 rad/s in the middle, where there is no knot.
-  EXPECT_THROWS(Check(Move(0.0, 0.7, 2.0)), InvalidArgument,
-                "arm 'left': the trajectory turns joint 'elbow' at 30.08 deg/s at 1.00 s; its limit "
-                "is 28.65 deg/s");
+  EXPECT_THROWS(
+      Check(Move(0.0, 0.7, 2.0)), InvalidArgument,
+      "arm 'left': the trajectory turns joint 'elbow' at 30.08 deg/s at 1.00 s; its limit "
+      "is 28.65 deg/s");
 }
 
 TEST(CheckTrajectory, SeesTheAccelerationOfAShortMove) {
@@ -68,9 +69,8 @@ TEST(CheckTrajectory, AgreesWithDenseSamplingOverRandomCubics) {
   int refused = 0;
   for (int i = 0; i < 500; ++i) {
     JointTrajectory move = Move(0.0, rng.Uniform(-1.0, 1.0), rng.Uniform(1.5, 5.0));
-    move.knots.insert(move.knots.begin() + 1,
-                      {0.5 * move.seconds(), Vector(rng.Uniform(-0.6, 0.6)),
-                       Vector(rng.Uniform(-0.3, 0.3))});
+    move.knots.insert(move.knots.begin() + 1, {0.5 * move.seconds(), Vector(rng.Uniform(-0.6, 0.6)),
+                                               Vector(rng.Uniform(-0.3, 0.3))});
     double highest = -10.0, lowest = 10.0, fastest = 0.0, hardest = 0.0;
     const double step = 1e-4;
     for (double t = 0.0; t <= move.seconds(); t += step) {

@@ -77,8 +77,8 @@ TEST(Chain, TipPoseIsTheProductOfTheTransformsOfItsJoints) {
       Eigen::Matrix3d cross;
       cross << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
       Eigen::Matrix4d turn = Eigen::Matrix4d::Identity();
-      turn.topLeftCorner<3, 3>() += std::sin(q[turned]) * cross +
-                                    (1.0 - std::cos(q[turned])) * cross * cross;
+      turn.topLeftCorner<3, 3>() +=
+          std::sin(q[turned]) * cross + (1.0 - std::cos(q[turned])) * cross * cross;
       product *= turn;
       ++turned;
     }

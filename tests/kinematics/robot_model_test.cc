@@ -37,11 +37,11 @@ void ExpectShoulderRefused(const std::string& from, const std::string& to,
 }
 
 TEST(ParseUrdf, ReadsLinksJointsLimitsAndBodies) {
-  const RobotModel model = Parse(
-      std::string(R"(<link name="base"><collision><origin xyz="0 0 1" rpy="0 0 0"/><geometry>
+  const RobotModel model =
+      Parse(std::string(R"(<link name="base"><collision><origin xyz="0 0 1" rpy="0 0 0"/><geometry>
         <cylinder radius="0.1" length="0.4"/></geometry></collision></link>
         <link name="upper"/><link name="lower"/>)") +
-      kShoulder + kElbow);
+            kShoulder + kElbow);
   ASSERT_EQ(model.links.size(), 3U);
   EXPECT_EQ(model.links[0].name, "base");
   EXPECT_EQ(model.links[1].parent, 0);
@@ -74,12 +74,12 @@ TEST(ParseUrdf, RefusesWhatIsNoUrdf) {
 }
 
 TEST(ParseUrdf, NamesAMissingLink) {
-  EXPECT_THROWS(Parse(std::string(R"(<link name="base"/><link name="upper"/>)") + kShoulder +
-                      kElbow),
-                ConfigError, "child link [lower] of joint [elbow] not found");
-  EXPECT_THROWS(Parse(std::string(R"(<link name="upper"/><link name="lower"/>)") + kShoulder +
-                      kElbow),
-                ConfigError, "parent link [base] of joint [shoulder] not found");
+  EXPECT_THROWS(
+      Parse(std::string(R"(<link name="base"/><link name="upper"/>)") + kShoulder + kElbow),
+      ConfigError, "child link [lower] of joint [elbow] not found");
+  EXPECT_THROWS(
+      Parse(std::string(R"(<link name="upper"/><link name="lower"/>)") + kShoulder + kElbow),
+      ConfigError, "parent link [base] of joint [shoulder] not found");
 }
 
 TEST(ParseUrdf, NamesALoop) {
@@ -113,7 +113,8 @@ TEST(ParseUrdf, NamesLimitsThatContradictEachOther) {
 }
 
 TEST(ParseUrdf, NamesAnAxisWithoutDirection) {
-  ExpectShoulderRefused("0 0 2", "0 0 0", "the axis (0, 0, 0) of joint 'shoulder' has no direction");
+  ExpectShoulderRefused("0 0 2", "0 0 0",
+                        "the axis (0, 0, 0) of joint 'shoulder' has no direction");
 }
 
 TEST(ParseUrdf, NamesAJointOfAnotherKind) {
