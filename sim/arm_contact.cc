@@ -35,8 +35,8 @@ ArmContact::ArmContact(const std::vector<Fixture>& fixtures, const kinematics::C
   for (std::size_t i = 0; i < links.size(); ++i) {
     if (!chain.Moves(static_cast<int>(i))) continue;
     for (const geometry::PlacedShape& part : links[i].body) {
-      shapes_->parts.push_back({static_cast<int>(i), part.X_AS,
-                                geometry::MakeCollisionShape(part.shape, 0.0)});
+      shapes_->parts.push_back(
+          {static_cast<int>(i), part.X_AS, geometry::MakeCollisionShape(part.shape, 0.0)});
     }
   }
 }

@@ -71,8 +71,7 @@ void ArmDrive::Step(double dt) {
     const Eigen::VectorXd v = hal::Sample(trajectory_, clock_).v;
     brake_seconds_ = dt;
     for (int i = 0; i < v.size(); ++i) {
-      brake_seconds_ =
-          std::max(brake_seconds_, std::abs(v[i]) / info().joints[i].acceleration);
+      brake_seconds_ = std::max(brake_seconds_, std::abs(v[i]) / info().joints[i].acceleration);
     }
   }
   if (brake_seconds_ > 0.0) rate_ = std::max(0.0, rate_ - dt / brake_seconds_);

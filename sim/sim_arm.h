@@ -14,9 +14,7 @@ class SimArm : public hal::Arm {
 
   const hal::ArmInfo& info() const override { return world_->arm()->info(); }
   hal::ArmState State() override { return {world_->Now(), world_->arm()->encoders()}; }
-  void Start(const hal::JointTrajectory& trajectory) override {
-    world_->arm()->Start(trajectory);
-  }
+  void Start(const hal::JointTrajectory& trajectory) override { world_->arm()->Start(trajectory); }
   hal::MotionStatus Status() override { return world_->arm()->Status(); }
   void Stop() noexcept override { world_->arm()->RequestStop(); }
 

@@ -23,7 +23,7 @@ struct SimArmConfig {
   std::string urdf;           ///< Its description; the root link is the base B. Drawn, too.
   std::string tip{"flange"};  ///< The link that is its end-effector E.
   /// Where it begins: of each joint, base to tip. Folded within the base, behind the head's camera.
-  std::vector<double> home_deg{90.0, 45.0, 0.0, 115.0, 0.0, -100.0, 0.0};
+  std::vector<double> home_deg{80.0, 45.0, 0.0, 112.0, 0.0, -105.0, 120.0};
   double acceleration_deg{150.0};  ///< Limit of every joint [deg/s^2].
   /// The camera in E, as calibrated: x right, y down, z out of the lens.
   Eigen::Vector3d camera_position{0.06, 0.0, 0.032};  ///< [m]

@@ -16,8 +16,7 @@ Geometry Grown(const Box& box, double margin) {
 }
 
 Geometry Grown(const Cylinder& cylinder, double margin) {
-  return std::make_shared<fcl::Cylinderd>(cylinder.radius + margin,
-                                          cylinder.height + 2.0 * margin);
+  return std::make_shared<fcl::Cylinderd>(cylinder.radius + margin, cylinder.height + 2.0 * margin);
 }
 
 Geometry Grown(const Sphere& sphere, double margin) {

@@ -9,8 +9,8 @@
 
 namespace secondlook::geometry {
 
-/// The shape as FCL has it, grown by `margin` >= 0 [m] on all sides (a box stays one, with its edges
-/// longer by twice the margin).
+/// The shape as FCL has it, grown by `margin` >= 0 [m] on all sides (a box stays one, with its
+/// edges longer by twice the margin).
 std::shared_ptr<fcl::CollisionGeometryd> MakeCollisionShape(const Shape& shape, double margin);
 
 /// The surface of the mesh as FCL has it: what lies wholly within it does not touch it.

@@ -35,8 +35,7 @@ std::shared_ptr<SimulatedRobot> MakeWithArm(const Scene& scene, const NoiseConfi
 /// From rest to rest by one cubic, in `seconds`.
 void MoveTo(SimulatedRobot* robot, const Eigen::VectorXd& goal, double seconds) {
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(goal.size());
-  robot->robot.arm->Start(
-      {{{0.0, robot->robot.arm->State().q, rest}, {seconds, goal, rest}}});
+  robot->robot.arm->Start({{{0.0, robot->robot.arm->State().q, rest}, {seconds, goal, rest}}});
   while (robot->robot.arm->Status().phase == hal::MotionPhase::kMoving) robot->world->Step();
 }
 
@@ -67,7 +66,7 @@ TEST(ArmDrive, ErrsAnewWithEachMotionAndByTheHandEyeErrorThatStays) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (int i = 0; i < motions; ++i) {
       Eigen::VectorXd goal = home;
-      goal[6] += 0.2 * (i + 1);
+      goal[6] -= 0.2 * (i + 1);
       MoveTo(s.get(), goal, 2.0);
       const Pose error = CameraError(*s);
       seen.push_back(error.translation());
