@@ -45,8 +45,7 @@ TEST(ObstaclesAround, AreWhatTheMapSaysVoxelByVoxel) {
     ++seen[static_cast<int>(state)];
     EXPECT_EQ(Blocked(obstacles, ObstacleKind::kOccupied, p_W),
               state == world::Occupancy::kOccupied);
-    EXPECT_EQ(Blocked(obstacles, ObstacleKind::kUnknown, p_W),
-              state == world::Occupancy::kUnknown);
+    EXPECT_EQ(Blocked(obstacles, ObstacleKind::kUnknown, p_W), state == world::Occupancy::kUnknown);
   }
   for (const int count : seen) EXPECT_GT(count, 15);
 }
@@ -81,8 +80,9 @@ TEST(ObstaclesAround, HoldWhatLiesBelowASupportSurfaceAndTheFloor) {
 
 TEST(ObstaclesAround, RefuseWhatIsNotValid) {
   const world::VoxelSpace space;
-  EXPECT_THROWS(ObstaclesAround({std::numeric_limits<double>::quiet_NaN(), 0, 0}, 1.0, space, {}, {}),
-                InvalidArgument, "obstacles: a reach of 1 m around (nan, 0, 0) m");
+  EXPECT_THROWS(
+      ObstaclesAround({std::numeric_limits<double>::quiet_NaN(), 0, 0}, 1.0, space, {}, {}),
+      InvalidArgument, "obstacles: a reach of 1 m around (nan, 0, 0) m");
   EXPECT_THROWS(ObstaclesAround({0, 0, 0}, 0.0, space, {}, {}), InvalidArgument, "reach of 0 m");
   ObstacleConfig config;
   config.own_space_m = -1.0;

@@ -189,8 +189,8 @@ TEST(PlanMotion, GoesAroundAPost) {
 
 TEST(PlanMotion, SaysThatThereIsNoWay) {
   world::VoxelSpace space = FreeSpace();
-  // Walls to both sides of the shoulder, up to a ceiling too low for the arm to stand up under: what
-  // is left between them is wide enough for the upper arm, but not for the folded forearm.
+  // Walls to both sides of the shoulder, up to a ceiling too low for the arm to stand up under:
+  // what is left between them is wide enough for the upper arm, but not for the folded forearm.
   Occupy({Vector3d(0.09, -0.11, 0.0), Vector3d(1.0, -0.09, 1.3)}, &space);
   Occupy({Vector3d(-1.1, -0.11, 0.0), Vector3d(-0.19, -0.09, 1.3)}, &space);
   Occupy({Vector3d(-1.1, -1.1, 1.28), Vector3d(1.0, 1.0, 1.3)}, &space);

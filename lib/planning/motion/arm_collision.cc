@@ -59,7 +59,8 @@ std::vector<double> MotionRadii(const Chain& chain) {
   const std::vector<Link>& links = chain.model().links;
   std::vector<double> radii;
   for (int i = 0; i < chain.size(); ++i) {
-    std::vector<double> way(links.size(), -1.0);  // from the joint's axis; negative: not moved by it
+    std::vector<double> way(links.size(),
+                            -1.0);  // from the joint's axis; negative: not moved by it
     way[chain.link_of(i)] = 0.0;
     double radius = 0.0;
     for (std::size_t l = chain.link_of(i); l < links.size(); ++l) {
@@ -67,8 +68,8 @@ std::vector<double> MotionRadii(const Chain& chain) {
       if (way[l] < 0.0) way[l] = way[links[l].parent] + links[l].joint.X_PL.translation().norm();
       radius = std::max(radius, way[l]);
       for (const geometry::PlacedShape& part : links[l].body) {
-        radius = std::max(radius, way[l] + part.X_AS.translation().norm() +
-                                      geometry::BoundingRadius(part.shape));
+        radius = std::max(
+            radius, way[l] + part.X_AS.translation().norm() + geometry::BoundingRadius(part.shape));
       }
     }
     radii.push_back(radius);
@@ -195,8 +196,7 @@ std::optional<std::string> ArmCollision::Touches(const Eigen::VectorXd& q) const
   if (!hit) return std::nullopt;
   const Eigen::Vector3d& p_W = hit->second.point;
   return fmt::format("link '{}' with {} at ({:.2f}, {:.2f}, {:.2f}) m in W", name(hit->first),
-                     ToString(*hit->second.kind), p_W.x(), p_W.y(),
-                     p_W.z());
+                     ToString(*hit->second.kind), p_W.x(), p_W.y(), p_W.z());
 }
 
 }  // namespace secondlook::planning

@@ -55,8 +55,7 @@ class BoxCollector {
       while (x + width < Brick::kEdge && (bits >> (begin + width) & 1) != 0) ++width;
       const std::uint64_t run = ((std::uint64_t{1} << width) - 1) << x;
       int rows = 1;
-      while (y + rows < Brick::kEdge &&
-             (bits >> (Brick::kEdge * (y + rows)) & run) == run) {
+      while (y + rows < Brick::kEdge && (bits >> (Brick::kEdge * (y + rows)) & run) == run) {
         ++rows;
       }
       for (int i = 0; i < rows; ++i) bits &= ~(run << (Brick::kEdge * (y + i)));
@@ -155,9 +154,8 @@ class MapReader {
       Blocked blocked(known ? surroundings.Find(surroundings.DirectoryIndex(brick)) : nullptr);
       const Vector3i first = brick * Brick::kEdge;
       if (workspace != nullptr && workspace->box_W().intersects(in_W)) {
-        const BrickMask answered = MaskOf(surroundings, first, [&](const Vector3d& p_W) {
-          return workspace->Contains(p_W);
-        });
+        const BrickMask answered = MaskOf(
+            surroundings, first, [&](const Vector3d& p_W) { return workspace->Contains(p_W); });
         Remove(answered, &blocked.occupied);
         Remove(answered, &blocked.unknown);
       }

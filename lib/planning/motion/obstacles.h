@@ -23,9 +23,9 @@ struct Obstacle {
 };
 
 struct ObstacleConfig {
-  bool avoid_unknown{true};        ///< What was never seen counts as occupied.
-  double own_space_m{0.1};         ///< As near as this to its own body nothing is unknown to it.
-  double support_margin_m{0.02};   ///< Support surfaces are grown by so much.
+  bool avoid_unknown{true};       ///< What was never seen counts as occupied.
+  double own_space_m{0.1};        ///< As near as this to its own body nothing is unknown to it.
+  double support_margin_m{0.02};  ///< Support surfaces are grown by so much.
 
   template <class A>
   void Serialize(A* a) {

@@ -48,8 +48,8 @@ class SeededSampler : public ob::StateSampler {
   }
   void sampleUniformNear(ob::State* state, const ob::State* near, double distance) override {
     for (std::size_t i = 0; i < space_->getDimension(); ++i) {
-      Value(state, i) = near->as<Space::StateType>()->values[i] +
-                        seeded_.Uniform(-distance, distance);
+      Value(state, i) =
+          near->as<Space::StateType>()->values[i] + seeded_.Uniform(-distance, distance);
     }
     space_->enforceBounds(state);
   }
@@ -71,8 +71,7 @@ class SeededSampler : public ob::StateSampler {
 /// Straight ways as StraightIsFree() has them.
 class DenseValidator : public ob::MotionValidator {
  public:
-  DenseValidator(const ob::SpaceInformationPtr& space, const ArmCollision& collision,
-                 double step_m)
+  DenseValidator(const ob::SpaceInformationPtr& space, const ArmCollision& collision, double step_m)
       : MotionValidator(space), collision_(collision), step_m_(step_m) {}
 
   bool checkMotion(const ob::State* a, const ob::State* b) const override {
@@ -106,9 +105,8 @@ Waypoints SearchWay(const ArmCollision& collision, const Eigen::VectorXd& start,
     bounds.setHigh(i, chain.joint(i).upper);
     space->setBounds(bounds);
   }
-  space->setStateSamplerAllocator([rng](const ob::StateSpace* of) {
-    return std::make_shared<SeededSampler>(of, rng);
-  });
+  space->setStateSamplerAllocator(
+      [rng](const ob::StateSpace* of) { return std::make_shared<SeededSampler>(of, rng); });
   const auto information = std::make_shared<ob::SpaceInformation>(space);
   information->setStateValidityChecker(
       [&](const ob::State* state) { return collision.Free(Angles(state, size)); });

@@ -12,11 +12,11 @@
 namespace secondlook::planning {
 
 struct MotionConfig {
-  int iterations{2000};      ///< Of the search, at most.
-  double range{0.8};         ///< Longest branch of the search's trees [rad, Euclidean].
-  double step_m{0.02};       ///< No point of the arm moves farther between two collision tests.
-  int shortcuts{60};         ///< Tried to make the way shorter.
-  double speed_share{0.5};   ///< Of the joints' speed and acceleration limits that are used.
+  int iterations{2000};     ///< Of the search, at most.
+  double range{0.8};        ///< Longest branch of the search's trees [rad, Euclidean].
+  double step_m{0.02};      ///< No point of the arm moves farther between two collision tests.
+  int shortcuts{60};        ///< Tried to make the way shorter.
+  double speed_share{0.5};  ///< Of the joints' speed and acceleration limits that are used.
 
   template <class A>
   void Serialize(A* a) {
@@ -36,7 +36,7 @@ enum class MotionOutcome {
   kOutOfLimits,       ///< Start or goal lies beyond a joint's limits.
   kStartInCollision,  ///< The arm touches something where it is: it does not move by itself.
   kGoalInCollision,
-  kNoWay,             ///< Not found within the iterations; there may be one.
+  kNoWay,  ///< Not found within the iterations; there may be one.
 };
 
 struct PlannedMotion {
@@ -52,13 +52,13 @@ struct PlannedMotion {
 bool StraightIsFree(const ArmCollision& collision, const Eigen::VectorXd& a,
                     const Eigen::VectorXd& b, double step_m);
 
-/// A motion from `start` to `goal` [rad] that touches nothing and keeps every limit, the straight one
-/// where that is free, else by RRT-Connect (OMPL; Kuffner and LaValle 2000), made shorter by
+/// A motion from `start` to `goal` [rad] that touches nothing and keeps every limit, the straight
+/// one where that is free, else by RRT-Connect (OMPL; Kuffner and LaValle 2000), made shorter by
 /// shortcuts. It ends at the goal exactly or there is none. Bounded by iterations, never by time.
 /// Deterministic: all chance is drawn from `seed`; OMPL's own generators are not used.
-/// @throws ConfigError when `config` is not valid, or a step of more than twice the clearance, which
-/// could pass through things; InvalidArgument for angles of the wrong number or not finite, or
-/// joints that are not those of the chain.
+/// @throws ConfigError when `config` is not valid, or a step of more than twice the clearance,
+/// which could pass through things; InvalidArgument for angles of the wrong number or not finite,
+/// or joints that are not those of the chain.
 PlannedMotion PlanMotion(const ArmCollision& collision, const std::vector<hal::JointInfo>& joints,
                          const Eigen::VectorXd& start, const Eigen::VectorXd& goal,
                          std::uint64_t seed, const MotionConfig& config = {});
