@@ -29,8 +29,7 @@ TEST(WithoutOwnBody, TakesOutExactlyWhatLiesWithinTheMargin) {
     for (int i = 0; i < 3; ++i) {
       PlacedShape part = At(geometry::Cylinder{0.1, 0.5}, rng.Uniform(-1, 1), rng.Uniform(-1, 1),
                             rng.Uniform(-0.3, 2.0));
-      part.X_AS.linear() =
-          RotationFromVector({rng.Gaussian(1), rng.Gaussian(1), rng.Gaussian(1)});
+      part.X_AS.linear() = RotationFromVector({rng.Gaussian(1), rng.Gaussian(1), rng.Gaussian(1)});
       body.push_back(part);
     }
     cv::Mat depth(60, 80, CV_32FC1);
@@ -57,8 +56,7 @@ TEST(WithoutOwnBody, LeavesWhatIsSeenInFrontOfItAndBehind) {
   cv::Mat depth(60, 80, CV_32FC1, cv::Scalar(1.0));
   depth.at<float>(30, 40) = 0.8F;
   depth.at<float>(31, 40) = 1.2F;
-  const cv::Mat rest =
-      WithoutOwnBody(depth, kCamera, {At(geometry::Sphere{0.1}, 0, 0, 1.0)}, 0.02);
+  const cv::Mat rest = WithoutOwnBody(depth, kCamera, {At(geometry::Sphere{0.1}, 0, 0, 1.0)}, 0.02);
   EXPECT_EQ(rest.at<float>(30, 40), 0.8F);
   EXPECT_EQ(rest.at<float>(31, 40), 1.2F);
   EXPECT_TRUE(std::isnan(rest.at<float>(30, 41)));
