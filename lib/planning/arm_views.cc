@@ -42,9 +42,10 @@ std::vector<Eigen::Vector3d> CamerasAround(const Eigen::Vector3d& p_WT,
                       share * (config.highest_elevation_deg - config.lowest_elevation_deg));
       for (int i = 0; i < config.azimuths; ++i) {
         const double azimuth = 2.0 * std::numbers::pi / config.azimuths * (i + 0.5 * (ring % 2));
-        cameras_W.push_back(p_WT + distance * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
-                                                              std::cos(elevation) * std::sin(azimuth),
-                                                              std::sin(elevation)));
+        cameras_W.push_back(p_WT +
+                            distance * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
+                                                       std::cos(elevation) * std::sin(azimuth),
+                                                       std::sin(elevation)));
       }
     }
   }

@@ -60,7 +60,8 @@ struct ArmLook {
 /// Each candidate goes through the checks "range" (of a depth camera), "inverse kinematics",
 /// "collision" and "path", in this order, until one refuses it; none is left out of the result. Of
 /// several joint angles for one pose the soonest reached that is free and has a way is taken.
-/// `seconds` is what the motion takes. Deterministic: chance is drawn from `seed` and the candidate.
+/// `seconds` is what the motion takes. Deterministic: chance is drawn from `seed` and the
+/// candidate.
 /// @param collision Of the arm where the base stands.
 /// @throws ConfigError when `config` is not valid, InvalidArgument for a target that is not finite.
 std::vector<ArmLook> ArmViews(const Eigen::Vector3d& p_WT, int target, const ArmCarrier& carrier,

@@ -16,7 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-
 const Eigen::VectorXd kHome = Degrees({80, 45, 0, 112, 0, -105, 120});
 
 class ArmViewsOfATable : public ::testing::Test {
@@ -35,9 +34,9 @@ class ArmViewsOfATable : public ::testing::Test {
     const Pose X_WB = ToPose(carrier_.X_WB);
     std::vector<geometry::PlacedShape> body_W = arm_.Body(carrier_.q);
     for (geometry::PlacedShape& part : body_W) part.X_AS = X_WB * part.X_AS;
-    const ArmCollision collision(
-        arm_, X_WB,
-        ObstaclesAround(X_WB * Vector3d(-0.05, -0.1, 0.7), Reach(arm_), space_, {table_W_}, body_W));
+    const ArmCollision collision(arm_, X_WB,
+                                 ObstaclesAround(X_WB * Vector3d(-0.05, -0.1, 0.7), Reach(arm_),
+                                                 space_, {table_W_}, body_W));
     return ArmViews(target_W_, 3, carrier_, collision, 1, config_);
   }
 
@@ -66,8 +65,7 @@ TEST_F(ArmViewsOfATable, LookAtTheTargetFromWhereTheArmIsThen) {
       EXPECT_TRUE(view.trajectory.knots.empty());
       continue;
     }
-    const Pose X_WC =
-        ToPose(carrier_.X_WB) * arm_.TipPose(view.q) * carrier_.hand.X_EC;
+    const Pose X_WC = ToPose(carrier_.X_WB) * arm_.TipPose(view.q) * carrier_.hand.X_EC;
     EXPECT_TRUE(X_WC.isApprox(view.look.X_WC, 1e-9));
     const Vector3d p_CT = X_WC.inverse() * target_W_;
     EXPECT_LE(p_CT.head<2>().norm(), 1e-3);
@@ -75,8 +73,7 @@ TEST_F(ArmViewsOfATable, LookAtTheTargetFromWhereTheArmIsThen) {
     EXPECT_EQ(view.trajectory.knots.front().q, kHome);
     EXPECT_EQ(view.trajectory.knots.back().q, view.q);
     EXPECT_EQ(view.look.seconds, view.trajectory.seconds());
-    EXPECT_NO_THROW(
-        hal::CheckTrajectory(view.trajectory, "arm", carrier_.arm.joints, carrier_.q));
+    EXPECT_NO_THROW(hal::CheckTrajectory(view.trajectory, "arm", carrier_.arm.joints, carrier_.q));
   }
 }
 
