@@ -1,13 +1,18 @@
 #include "apps/capture.h"
 
-#include "lib/common/error.h"
+#include <algorithm>
 
 #include <opencv2/core.hpp>
+
+#include "lib/common/error.h"
+#include "lib/perception/own_body.h"
 
 namespace secondlook::apps {
 namespace {
 
 constexpr Duration kKeep = Seconds(10);
+/// Around the robot's body: the errors of calibration, joints and depth, and of stamps.
+constexpr double kBodyMargin = 0.04;  // [m]
 /// How long after a frame's time the states may come in.
 constexpr Duration kSettle = Seconds(0.05);
 /// A frame may be stamped so much later than it is, by the error of its stamp.
@@ -31,6 +36,11 @@ void Capturer::Poll() {
   const hal::PanTiltState head = robot_->head->State();
   X_WB_.Add(base.time, ToPose(base.X_WB));
   X_BC_.Add(head.time, CameraInBase(calibration_, {head.angles.pan, head.angles.tilt}));
+  if (!hand_) return;
+  hal::ArmState arm = robot_->arm->State();
+  if (!arm_states_.empty() && arm.time <= arm_states_.back().time) return;
+  arm_states_.push_back(std::move(arm));
+  while (arm_states_.front().time < arm_states_.back().time - kKeep) arm_states_.pop_front();
 }
 
 std::optional<Capture> Capturer::Take(Duration timeout) {
@@ -62,12 +72,35 @@ std::optional<Capture> Capturer::Take(Duration timeout) {
   return At(*frame);
 }
 
+Eigen::VectorXd Capturer::ArmAt(Time time) const {
+  const auto after =
+      std::lower_bound(arm_states_.begin(), arm_states_.end(), time,
+                       [](const hal::ArmState& state, Time t) { return state.time < t; });
+  if (after == arm_states_.end() || (after == arm_states_.begin() && after->time > time)) {
+    Throw<InvalidArgument>("the joints of arm '{}' are not known at {:.3f} s",
+                           robot_->arm->info().name, ToSeconds(time));
+  }
+  if (after->time == time) return after->q;
+  const hal::ArmState& before = *std::prev(after);
+  const double share = ToSeconds(time - before.time) / ToSeconds(after->time - before.time);
+  return (1.0 - share) * before.q + share * after->q;
+}
+
 /// The capture of `frame`: a frame from a time when the robot's pose is not known is the fault of
 /// somebody's clock.
 Capture Capturer::At(const hal::RgbdFrame& frame) const try {
   const Pose X_WB = X_WB_.At(frame.time);
   const Pose X_WC = X_WB * X_BC_.At(frame.time);
-  return {frame, robot_->head_camera->info().model, X_WC, X_WB.translation() - X_WC.translation()};
+  Capture capture{frame, robot_->head_camera->info().model, X_WC,
+                  X_WB.translation() - X_WC.translation()};
+  if (hand_) {
+    const Pose X_CB = X_BC_.At(frame.time).inverse();
+    std::vector<geometry::PlacedShape> body_C = hand_->arm.Body(ArmAt(frame.time));
+    for (geometry::PlacedShape& part : body_C) part.X_AS = X_CB * part.X_AS;
+    capture.frame.depth =
+        perception::WithoutOwnBody(frame.depth, capture.camera, body_C, kBodyMargin);
+  }
+  return capture;
 } catch (const InvalidArgument& error) {
   Throw<DeviceError>(
       "camera '{}': no pose for its frame {}: {}; check that camera, base and head stamp with one "

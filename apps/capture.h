@@ -1,9 +1,11 @@
 #pragma once
 
+#include <deque>
 #include <optional>
 
 #include "lib/common/pose_history.h"
 #include "lib/hal/robot.h"
+#include "lib/kinematics/eye_in_hand.h"
 #include "lib/kinematics/head.h"
 
 namespace secondlook::apps {
@@ -21,27 +23,35 @@ struct Capture {
 double ShareWithDepth(const cv::Mat& depth);
 
 /// Takes frames with the camera on the head and finds the camera's pose at the time of measurement
-/// from the histories of base and head.
+/// from the histories of base and head. Of a robot with an arm, what a frame shows of the robot's
+/// own body is no measurement.
 class Capturer {
  public:
   /// `robot` must outlive this.
   Capturer(hal::Robot* robot, const kinematics::HeadCalibration& calibration);
 
-  /// Notes where base and head are now. To be called often while they move.
+  /// The robot's arm is this one, and its body moves with it. @pre the robot has an arm.
+  void KnowArm(const kinematics::EyeInHand& hand) { hand_ = hand; }
+
+  /// Notes where base, head and arm are now. To be called often while they move.
   void Poll();
 
   /// The next frame taken from now on, waiting up to `timeout`; empty when none came.
-  /// @throws DeviceError when a device is lost, or when the camera's stamps and those of base and
-  /// head do not fit together.
+  /// @throws DeviceError when a device is lost, or when the camera's stamps and those of base, head
+  /// and arm do not fit together.
   std::optional<Capture> Take(Duration timeout);
 
  private:
   Capture At(const hal::RgbdFrame& frame) const;
+  /// The joint angles at `time`. @throws InvalidArgument when they are not known.
+  Eigen::VectorXd ArmAt(Time time) const;
 
   hal::Robot* robot_;
   kinematics::HeadCalibration calibration_;
   PoseHistory X_WB_;
   PoseHistory X_BC_;
+  std::optional<kinematics::EyeInHand> hand_;
+  std::deque<hal::ArmState> arm_states_;  // of the last while, by time
 };
 
 }  // namespace secondlook::apps

@@ -32,12 +32,17 @@ DeviceHealth::Device DeviceHealth::MakeDevice(const std::string& name, const std
 DeviceHealth::DeviceHealth(const hal::Robot& robot)
     : base_(MakeDevice(robot.base->info().name, "base")),
       head_(MakeDevice(robot.head->info().name, "pan_tilt")),
-      camera_(MakeDevice(robot.head_camera->info().name, "camera")) {}
+      camera_(MakeDevice(robot.head_camera->info().name, "camera")) {
+  if (robot.arm) arm_ = MakeDevice(robot.arm->info().name, "arm");
+  if (robot.hand_camera) hand_camera_ = MakeDevice(robot.hand_camera->info().name, "camera");
+}
 
 std::vector<device_status_t> DeviceHealth::Status(Time now) const {
   const std::scoped_lock lock(mutex_);
   std::vector<device_status_t> all;
-  for (const Device* device : {&base_, &head_, &camera_}) {
+  for (const Device* device : {&base_, &head_, &camera_, arm_ ? &*arm_ : nullptr,
+                               hand_camera_ ? &*hand_camera_ : nullptr}) {
+    if (device == nullptr) continue;
     all.push_back(device->status);
     all.back().rate = Rate(device->answers, now);
   }
@@ -59,16 +64,24 @@ void DeviceHealth::Moved(Device* device, const hal::MotionStatus& status) {
 }
 
 void DeviceHealth::OnFrame(const std::optional<hal::RgbdFrame>& frame, Time /*now*/) {
-  if (frame) Answered(&camera_, frame->time);
+  Grabbed(&camera_, frame);
+}
+
+void DeviceHealth::OnHandFrame(const std::optional<hal::RgbdFrame>& frame, Time /*now*/) {
+  Grabbed(&*hand_camera_, frame);
+}
+
+void DeviceHealth::Grabbed(Device* camera, const std::optional<hal::RgbdFrame>& frame) {
+  if (frame) Answered(camera, frame->time);
   const std::scoped_lock lock(mutex_);
   if (!frame) {
-    camera_.status.health = device_status_t::SILENT;
+    camera->status.health = device_status_t::SILENT;
     return;
   }
-  if (last_sequence_) {
-    camera_.status.drops += static_cast<std::int64_t>(frame->sequence - *last_sequence_) - 1;
+  if (camera->last_sequence) {
+    camera->status.drops += static_cast<std::int64_t>(frame->sequence - *camera->last_sequence) - 1;
   }
-  last_sequence_ = frame->sequence;
+  camera->last_sequence = frame->sequence;
 }
 
 void DeviceHealth::OnError(hal::Call call, const Error& error, Time /*now*/) {
@@ -77,6 +90,12 @@ void DeviceHealth::OnError(hal::Call call, const Error& error, Time /*now*/) {
     switch (call) {
       case hal::Call::kGrab:
         return camera_;
+      case hal::Call::kHandGrab:
+        return *hand_camera_;
+      case hal::Call::kArmState:
+      case hal::Call::kArmStart:
+      case hal::Call::kArmStatus:
+        return *arm_;
       case hal::Call::kHeadState:
       case hal::Call::kHeadStart:
       case hal::Call::kHeadStatus:

@@ -10,7 +10,8 @@ namespace {
 ReadyRobot Make(const sim::SimConfig& config, std::uint64_t seed) {
   sim::SimulatedRobot simulated =
       sim::MakeSimulatedRobot(sim::LoadScene(config.scene), config, seed);
-  return {std::move(simulated.world), std::move(simulated.robot), simulated.calibration};
+  return {std::move(simulated.world), std::move(simulated.robot), simulated.calibration,
+          std::move(simulated.hand)};
 }
 
 }  // namespace

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "apps/run_config.h"
 #include "lib/hal/robot.h"
+#include "lib/kinematics/eye_in_hand.h"
 #include "lib/kinematics/head.h"
 #include "sim/world.h"
 
@@ -15,6 +17,7 @@ struct ReadyRobot {
   std::unique_ptr<sim::World> world;  ///< Null on a real robot. Outlives `robot`.
   hal::Robot robot;
   kinematics::HeadCalibration calibration;
+  std::optional<kinematics::EyeInHand> hand;  ///< Of a robot with an arm.
 };
 
 /// Connects to the robot that `config` describes: the only place that knows every backend.

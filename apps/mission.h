@@ -79,6 +79,10 @@ class Mission {
   /// @throws DeviceError when a device is lost.
   std::optional<TakenLook> Plan();
 
+  /// The robot has this arm: what a view shows of it, or of the rest of the robot, is no
+  /// measurement. To be called before the first step.
+  void KnowArm(const kinematics::EyeInHand& hand) { capturer_.KnowArm(hand); }
+
   /// What is wanted from the next step on.
   /// @throws ConfigError when `task` is not valid or wants a class that is not in the database.
   void SetTask(const world::Task& task);

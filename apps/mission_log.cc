@@ -25,6 +25,11 @@ MissionLog::MissionLog(const std::filesystem::path& file, double part_mb)
 
 void MissionLog::Begin(const RunConfig& config, const world::ObjectDatabase& database,
                        bool plan_only, ReadyRobot* ready) {
+  if (ready->robot.arm) {
+    Throw<ConfigError>(
+        "{}: a robot with an arm cannot be recorded yet; leave out --log, or the arm",
+        file_.string());
+  }
   second_look::rec_mission_t mission{};
   mission.version = kVersion;
   mission.config = ToText(WithAbsolutePaths(config));

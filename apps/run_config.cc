@@ -11,7 +11,10 @@ namespace fs = std::filesystem;
 /// Every path in `config` that is relative.
 std::vector<std::string*> RelativePaths(RunConfig* config) {
   std::vector<std::string*> paths{&config->models};
-  if (auto* sim = std::get_if<sim::SimConfig>(&config->robot)) paths.push_back(&sim->scene);
+  if (auto* sim = std::get_if<sim::SimConfig>(&config->robot)) {
+    paths.push_back(&sim->scene);
+    if (sim->arm) paths.push_back(&sim->arm->urdf);
+  }
   std::erase_if(paths, [](const std::string* path) {
     return path->empty() || fs::path(*path).is_absolute();
   });

@@ -45,6 +45,22 @@ foreach(module core imgproc imgcodecs)
                                                     ${OPENCV_INCLUDE_DIR})
 endforeach()
 
+# Kinematics and motion planning. Their CMake and pkg-config files set a language standard or name
+# paths that are not there, so that these are found by hand, too.
+function(secondlook_import name header library)
+  string(TOUPPER ${name} prefix)
+  find_path(${prefix}_INCLUDE_DIR ${header} PATH_SUFFIXES ompl-1.5 ompl-1.6 urdfdom REQUIRED)
+  find_library(${prefix}_LIBRARY ${library} REQUIRED)
+  add_library(${name} UNKNOWN IMPORTED GLOBAL)
+  set_target_properties(${name} PROPERTIES IMPORTED_LOCATION ${${prefix}_LIBRARY}
+                                           INTERFACE_INCLUDE_DIRECTORIES ${${prefix}_INCLUDE_DIR})
+endfunction()
+secondlook_import(ompl ompl/base/Planner.h ompl)
+secondlook_import(orocos_kdl kdl/chain.hpp orocos-kdl)
+secondlook_import(console_bridge console_bridge/console.h console_bridge)
+secondlook_import(urdfdom urdf_parser/urdf_parser.h urdfdom_model)
+target_link_libraries(urdfdom INTERFACE console_bridge)
+
 # Third-party headers are not ours to warn about.
 foreach(library Eigen3::Eigen yaml-cpp fcl octomap nanoflann::nanoflann)
   get_target_property(directories ${library} INTERFACE_INCLUDE_DIRECTORIES)

@@ -18,6 +18,7 @@ inline constexpr int kFloorId = 60002;
 inline constexpr int kWallId = 60003;
 inline constexpr int kBoxId = 60004;
 inline constexpr int kMovingObstacleId = 60005;
+inline constexpr int kOwnBodyId = 60006;
 
 /// A thing of the scene that never moves.
 struct Fixture {

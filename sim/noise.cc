@@ -187,6 +187,10 @@ void NoiseConfig::Validate() const {
       {"pan_tilt_sigma_deg", pan_tilt_sigma_deg},
       {"extrinsics_sigma", extrinsics_sigma},
       {"extrinsics_sigma_deg", extrinsics_sigma_deg},
+      {"arm_sigma", arm_sigma},
+      {"arm_sigma_deg", arm_sigma_deg},
+      {"hand_eye_sigma", hand_eye_sigma},
+      {"hand_eye_sigma_deg", hand_eye_sigma_deg},
       {"stamp_sigma", stamp_sigma}};
   for (const auto& [key, value] : not_negative) Require(value >= 0.0, key, value, "0 or more");
   const std::pair<const char*, double> positive[] = {{"disparity_baseline", disparity_baseline},
@@ -218,6 +222,10 @@ NoiseConfig NoiseConfig::None() {
   none.pan_tilt_sigma_deg = 0.0;
   none.extrinsics_sigma = 0.0;
   none.extrinsics_sigma_deg = 0.0;
+  none.arm_sigma = 0.0;
+  none.arm_sigma_deg = 0.0;
+  none.hand_eye_sigma = 0.0;
+  none.hand_eye_sigma_deg = 0.0;
   none.stamp_sigma = 0.0;
   return none;
 }

@@ -41,6 +41,12 @@ struct NoiseConfig {
   double extrinsics_sigma{0.003};    ///< Of the camera on the head, fixed for a mission [m].
   double extrinsics_sigma_deg{0.3};  ///< Likewise.
 
+  // The arm, if there is one.
+  double arm_sigma{0.001};         ///< Of the flange, new with each motion [m].
+  double arm_sigma_deg{0.1};       ///< Likewise.
+  double hand_eye_sigma{0.001};    ///< Of the camera on the flange, fixed for a mission [m].
+  double hand_eye_sigma_deg{0.2};  ///< Likewise.
+
   double stamp_sigma{0.005};  ///< Of the time on a frame [s].
 
   template <class A>
@@ -64,6 +70,10 @@ struct NoiseConfig {
     a->Visit("pan_tilt_sigma_deg", &pan_tilt_sigma_deg);
     a->Visit("extrinsics_sigma", &extrinsics_sigma);
     a->Visit("extrinsics_sigma_deg", &extrinsics_sigma_deg);
+    a->Visit("arm_sigma", &arm_sigma);
+    a->Visit("arm_sigma_deg", &arm_sigma_deg);
+    a->Visit("hand_eye_sigma", &hand_eye_sigma);
+    a->Visit("hand_eye_sigma_deg", &hand_eye_sigma_deg);
     a->Visit("stamp_sigma", &stamp_sigma);
   }
 

@@ -18,13 +18,16 @@ enum class CameraFault {
   kLost,     ///< The device is gone: Grab() throws DeviceError.
 };
 
-/// The RGB-D camera on the head of the simulated robot: 640 x 480, 58 x 45 degrees, 0.5 to 6 m, 30
-/// frames a second of robot time, each of which arrives 30 ms after it was exposed. Only a frame
-/// that is grabbed gets rendered. Its noise depends on the seed and its sequence number alone.
+/// What carries a camera of the simulated robot.
+enum class CameraMount { kHead, kHand };
+
+/// A camera of the simulated robot: 640 x 480, 58 x 45 degrees, depth from 0.5 to 6 m, 30 frames a
+/// second of robot time, each of which arrives 30 ms after it was exposed. Only a frame that is
+/// grabbed gets rendered. Its noise depends on the seed and its sequence number alone.
 class SimCamera : public hal::Camera {
  public:
-  /// `world` must outlive this.
-  SimCamera(World* world, CameraFault fault, std::uint64_t seed);
+  /// `world` must outlive this, and have an arm for a camera on its hand.
+  SimCamera(World* world, CameraMount mount, bool has_depth, CameraFault fault, std::uint64_t seed);
 
   const hal::CameraInfo& info() const override { return info_; }
   std::optional<hal::RgbdFrame> Grab(Duration timeout) override;
@@ -38,6 +41,7 @@ class SimCamera : public hal::Camera {
   hal::RgbdFrame Take(std::uint64_t sequence);
 
   World* world_;
+  CameraMount mount_;
   CameraFault fault_;
   std::uint64_t seed_;
   hal::CameraInfo info_;

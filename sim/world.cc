@@ -34,7 +34,8 @@ kinematics::HeadCalibration DrawTrueCalibration(const kinematics::HeadCalibratio
 }  // namespace
 
 World::World(const Scene& scene, const NoiseConfig& noise,
-             const kinematics::HeadCalibration& nominal, std::uint64_t seed)
+             const kinematics::HeadCalibration& nominal, std::uint64_t seed,
+             const std::optional<ArmSetup>& arm)
     : scene_(scene),
       noise_(noise),
       objects_(PlaceObjects(scene)),
@@ -45,6 +46,10 @@ World::World(const Scene& scene, const NoiseConfig& noise,
       base_(StartPose(scene.robot), noise, seed),
       head_(noise, seed) {
   for (const Walker& walker : walkers_) surroundings_.moving.push_back(walker.disc());
+  if (arm) {
+    arm_.emplace(*arm, noise, seed);
+    arm_contact_.emplace(fixtures_, arm_->chain());
+  }
   FindCollisions();
   KeepState();
 }
@@ -59,6 +64,7 @@ void World::Step() {
   }
   base_.Step(dt, surroundings_);
   head_.Step(dt);
+  if (arm_) arm_->Step(dt);
   FindCollisions();
   KeepState();
 }
@@ -75,7 +81,7 @@ void World::FindCollisions() {
     if (std::find(touching.begin(), touching.end(), name) != touching.end()) return;
     touching.push_back(name);
     if (std::find(touching_.begin(), touching_.end(), name) != touching_.end()) return;
-    collisions_.push_back({Now(), name, nearest.point_W, base_.speed()});
+    collisions_.push_back({Now(), name, nearest.point_W, base_.speed(), false});
   };
   for (const Footprint& footprint : surroundings_.fixed) {
     const double far = footprint.bound + robot.radius;
@@ -86,12 +92,32 @@ void World::FindCollisions() {
     consider(disc.name, NearestOf(disc, robot.center_W, robot.center_W));
   }
   touching_ = std::move(touching);
+  if (arm_ && (arm_->moves() || !base_.stands())) FindArmCollisions();
+}
+
+void World::FindArmCollisions() {
+  const std::vector<ArmTouch> touches =
+      arm_contact_->Touches(ToPose(base_.truth()), arm_->chain().LinkPoses(arm_->encoders()));
+  std::vector<std::string> touching;
+  for (const ArmTouch& touch : touches) {
+    if (std::find(touching.begin(), touching.end(), touch.name) != touching.end()) continue;
+    touching.push_back(touch.name);
+    if (std::find(arm_touching_.begin(), arm_touching_.end(), touch.name) != arm_touching_.end()) {
+      continue;
+    }
+    collisions_.push_back({Now(), touch.name, touch.point_W.head<2>(), base_.speed(), true});
+  }
+  arm_touching_ = std::move(touching);
 }
 
 void World::KeepState() {
   const hal::PanTiltAngles head = head_.Truth();
-  WorldState state{Now(), base_.truth(), {head.pan, head.tilt}, {}};
+  WorldState state{Now(), base_.truth(), {head.pan, head.tilt}, {}, {}, Pose::Identity()};
   for (const Disc& disc : surroundings_.moving) state.obstacles_W.push_back(disc.center_W);
+  if (arm_) {
+    state.arm = arm_->encoders();
+    state.hand_X_BC = arm_->TrueCameraInBase();
+  }
   states_.push_back(std::move(state));
   while (states_.front().time < Now() - kKeepStates) states_.pop_front();
 }
@@ -104,6 +130,10 @@ const WorldState& World::StateAt(Time time) const {
 
 Pose World::CameraPose(const WorldState& state) const {
   return ToPose(state.X_WB) * kinematics::CameraInBase(true_calibration_, state.head);
+}
+
+Pose World::HandCameraPose(const WorldState& state) const {
+  return ToPose(state.X_WB) * state.hand_X_BC;
 }
 
 }  // namespace secondlook::sim

@@ -140,6 +140,7 @@ std::string CheckFrame(const LookConfig& looks, hal::Camera* camera) {
     Throw<DeviceError>("camera '{}': no frame in {} tries of {} s; check its cable and driver",
                        name, looks.frame_tries, looks.frame_timeout_s);
   }
+  if (!camera->info().has_depth) return fmt::format("'{}': frame {} came", name, frame->sequence);
   const double share = ShareWithDepth(frame->depth);
   if (share == 0.0) {
     Throw<DeviceError>(
@@ -162,6 +163,38 @@ std::string CheckHead(hal::PanTilt* head) {
   }
   return fmt::format("'{}': at pan {:.1f}, tilt {:.1f} deg; limits: {}", info.name,
                      now.pan * kDegrees, now.tilt * kDegrees, limits);
+}
+
+std::string CheckArm(hal::Arm* arm) {
+  const hal::ArmInfo& info = arm->info();
+  const Eigen::VectorXd q = arm->State().q;
+  if (q.size() != static_cast<Eigen::Index>(info.joints.size()) || !q.allFinite()) {
+    Throw<DeviceError>("arm '{}': it does not say {} finite joint angles; reference it anew",
+                       info.name, info.joints.size());
+  }
+  std::string at;
+  for (std::size_t i = 0; i < info.joints.size(); ++i) {
+    const hal::JointInfo& joint = info.joints[i];
+    const double angle = q[static_cast<Eigen::Index>(i)];
+    at += fmt::format("{}{:.0f}", i == 0 ? "" : ", ", angle * kDegrees);
+    if (angle >= joint.lower && angle <= joint.upper) continue;
+    Throw<DeviceError>(
+        "arm '{}': joint '{}' at {:.1f} deg is beyond its limits of {:.1f} to {:.1f} deg; move it "
+        "back by hand",
+        info.name, joint.name, angle * kDegrees, joint.lower * kDegrees, joint.upper * kDegrees);
+  }
+  return fmt::format("'{}': {} joints, at {} deg", info.name, info.joints.size(), at);
+}
+
+std::string CheckHandCamera(const hal::CameraInfo& info, const kinematics::EyeInHand& hand) {
+  if (!IsValid(hand.X_EC)) {
+    Throw<ConfigError>("X_EC is no rigid transform; calibrate hand and eye anew");
+  }
+  info.model.Validate(("camera '" + info.name + "'").c_str());
+  return fmt::format("'{}': {} x {} pixels, {}, {:.3f} m from the end-effector", info.name,
+                     info.model.width, info.model.height,
+                     info.has_depth ? "with depth" : "colour alone",
+                     hand.X_EC.translation().norm());
 }
 
 std::string CheckBase(hal::Base* base) {
@@ -187,6 +220,13 @@ void CheckRobot(const RunConfig& config, Checklist* list) {
   list->Check("frame", [&] { return CheckFrame(config.mission.looks, robot.head_camera.get()); });
   list->Check("pan-tilt", [&] { return CheckHead(robot.head.get()); });
   list->Check("base", [&] { return CheckBase(robot.base.get()); });
+  if (!robot.arm) return;
+  list->Check("arm", [&] { return CheckArm(robot.arm.get()); });
+  if (!robot.hand_camera) return;
+  list->Check("hand camera",
+              [&] { return CheckHandCamera(robot.hand_camera->info(), *ready->hand); });
+  list->Check("hand frame",
+              [&] { return CheckFrame(config.mission.looks, robot.hand_camera.get()); });
 }
 
 int RunCheck(const CheckOptions& options) {

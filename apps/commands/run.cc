@@ -115,6 +115,7 @@ int Run(const RunOptions& options) {
   if (log) stop = log->Recorded(std::move(stop), StopSignal);
   Mission mission(config.mission, config.task, database, ready.calibration, config.seed, stop,
                   &publisher, &robot);
+  if (ready.hand) mission.KnowArm(*ready.hand);
   const second_look::mission_t start = DescribeStart(config, database, robot.clock->Now());
   publisher.Mission(start);
   Progress progress = Progress::kMore;

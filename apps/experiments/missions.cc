@@ -69,7 +69,7 @@ Json RunTrial(const sim::Scene& scene, const ExperimentOptions& options,
       {}, {}, database, simulated.calibration, seed, [] { return false; }, &publisher,
       &simulated.robot);
   RunConfig config;
-  config.robot = sim::SimConfig{(report / "scene.yaml").string(), {}, "none"};
+  std::get<sim::SimConfig>(config.robot).scene = (report / "scene.yaml").string();
   config.models = options.models;
   config.seed = seed;
   const second_look::mission_t start =

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "lib/common/clock.h"
+#include "lib/hal/arm.h"
 #include "lib/hal/base.h"
 #include "lib/hal/camera.h"
 #include "lib/hal/pan_tilt.h"
@@ -15,11 +16,14 @@ struct Robot {
   std::unique_ptr<Base> base;
   std::unique_ptr<PanTilt> head;
   std::unique_ptr<Camera> head_camera;
+  std::unique_ptr<Arm> arm;             ///< Null: it has none.
+  std::unique_ptr<Camera> hand_camera;  ///< On the arm's end-effector; null: there is none.
 
   /// Stops everything that moves, from any thread.
   void Stop() noexcept {
     base->Stop();
     head->Stop();
+    if (arm) arm->Stop();
   }
 };
 

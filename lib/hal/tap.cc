@@ -114,22 +114,58 @@ class TappedPanTilt : public PanTilt {
   Tapped tapped_;
 };
 
+class TappedArm : public Arm {
+ public:
+  TappedArm(std::unique_ptr<Arm> arm, const Tapped& tapped)
+      : arm_(std::move(arm)), tapped_(tapped) {}
+
+  const ArmInfo& info() const override { return arm_->info(); }
+
+  ArmState State() override {
+    ArmState state = tapped_.Answer(Call::kArmState, [&] { return arm_->State(); });
+    tapped_.listener->OnArmState(state);
+    return state;
+  }
+
+  void Start(const JointTrajectory& trajectory) override {
+    tapped_.Answer(Call::kArmStart, [&] { arm_->Start(trajectory); });
+    tapped_.listener->OnArmStart(trajectory);
+  }
+
+  MotionStatus Status() override {
+    MotionStatus status = tapped_.Answer(Call::kArmStatus, [&] { return arm_->Status(); });
+    tapped_.listener->OnArmStatus(status);
+    return status;
+  }
+
+  void Stop() noexcept override { arm_->Stop(); }
+
+ private:
+  std::unique_ptr<Arm> arm_;
+  Tapped tapped_;
+};
+
+/// Which camera it is says `call`, its Grab().
 class TappedCamera : public Camera {
  public:
-  TappedCamera(std::unique_ptr<Camera> camera, const Tapped& tapped)
-      : camera_(std::move(camera)), tapped_(tapped) {}
+  TappedCamera(std::unique_ptr<Camera> camera, Call call, const Tapped& tapped)
+      : camera_(std::move(camera)), call_(call), tapped_(tapped) {}
 
   const CameraInfo& info() const override { return camera_->info(); }
 
   std::optional<RgbdFrame> Grab(Duration timeout) override {
-    std::optional<RgbdFrame> frame =
-        tapped_.Answer(Call::kGrab, [&] { return camera_->Grab(timeout); });
-    tapped_.listener->OnFrame(frame, tapped_.clock->Peek());
+    std::optional<RgbdFrame> frame = tapped_.Answer(call_, [&] { return camera_->Grab(timeout); });
+    if (call_ == Call::kGrab) {
+      tapped_.listener->OnFrame(frame, tapped_.clock->Peek());
+    } else {
+      tapped_.listener->OnHandFrame(frame, tapped_.clock->Peek());
+    }
     return frame;
   }
 
  private:
   std::unique_ptr<Camera> camera_;
+  Call call_;
   Tapped tapped_;
 };
 
@@ -142,7 +178,13 @@ Robot Tap(Robot robot, RobotListener* listener) {
   result.clock = std::move(clock);
   result.base = std::make_unique<TappedBase>(std::move(robot.base), tapped);
   result.head = std::make_unique<TappedPanTilt>(std::move(robot.head), tapped);
-  result.head_camera = std::make_unique<TappedCamera>(std::move(robot.head_camera), tapped);
+  result.head_camera =
+      std::make_unique<TappedCamera>(std::move(robot.head_camera), Call::kGrab, tapped);
+  if (robot.arm) result.arm = std::make_unique<TappedArm>(std::move(robot.arm), tapped);
+  if (robot.hand_camera) {
+    result.hand_camera =
+        std::make_unique<TappedCamera>(std::move(robot.hand_camera), Call::kHandGrab, tapped);
+  }
   return result;
 }
 

@@ -9,7 +9,19 @@
 namespace secondlook::hal {
 
 /// The calls on a robot's devices that can fail.
-enum class Call { kBaseState, kBaseStart, kBaseStatus, kHeadState, kHeadStart, kHeadStatus, kGrab };
+enum class Call {
+  kBaseState,
+  kBaseStart,
+  kBaseStatus,
+  kHeadState,
+  kHeadStart,
+  kHeadStatus,
+  kGrab,
+  kArmState,
+  kArmStart,
+  kArmStatus,
+  kHandGrab,
+};
 
 /// Is told what the devices of a tapped robot answer. Each function is called right after the
 /// device has answered, by the thread that asked; what it does not care for it need not override.
@@ -35,8 +47,14 @@ class RobotListener {
   virtual void OnHeadStart(const PanTiltAngles& /*target*/) {}
   virtual void OnHeadStatus(const MotionStatus& /*status*/) {}
 
-  /// Grab() returned at `now`, with a frame or without.
+  virtual void OnArmState(const ArmState& /*state*/) {}
+  virtual void OnArmStart(const JointTrajectory& /*trajectory*/) {}
+  virtual void OnArmStatus(const MotionStatus& /*status*/) {}
+
+  /// Grab() of the head's camera returned at `now`, with a frame or without.
   virtual void OnFrame(const std::optional<RgbdFrame>& /*frame*/, Time /*now*/) {}
+  /// Likewise that of the hand's camera.
+  virtual void OnHandFrame(const std::optional<RgbdFrame>& /*frame*/, Time /*now*/) {}
 
   /// The call threw `error`, at `now`, instead of returning.
   virtual void OnError(Call /*call*/, const Error& /*error*/, Time /*now*/) {}

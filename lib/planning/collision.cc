@@ -7,30 +7,17 @@
 #include <octomap/OcTree.h>
 
 #include "lib/common/error.h"
+#include "lib/geometry/collision_shape.h"
 #include "lib/world/octomap_exchange.h"
 
 namespace secondlook::planning {
 namespace {
 
-/// What a support surface stands on, from the floor to its top.
+/// A solid of FCL at a place.
 struct Solid {
-  fcl::Boxd box;
-  Pose X_WS;  ///< Of the box's centre.
+  std::shared_ptr<fcl::CollisionGeometryd> geometry;
+  Pose X_WS;
 };
-
-Solid SolidBelow(const world::SupportPlane& support_W, double margin) {
-  const auto& corners_W = support_W.corners_A;
-  const Eigen::Vector3d middle_W =
-      0.25 * (corners_W[0] + corners_W[1] + corners_W[2] + corners_W[3]);
-  const Eigen::Vector3d along = corners_W[1] - corners_W[0];
-  const Eigen::Vector3d across = corners_W[2] - corners_W[1];
-  const double top = std::max(middle_W.z(), 1e-3);
-  Solid solid{
-      fcl::Boxd(along.head<2>().norm() + 2.0 * margin, across.head<2>().norm() + 2.0 * margin, top),
-      ToPose({middle_W.x(), middle_W.y(), std::atan2(along.y(), along.x())})};
-  solid.X_WS.translation().z() = 0.5 * top;
-  return solid;
-}
 
 /// The first contact of the two, if any.
 std::optional<Eigen::Vector3d> FirstContact(const fcl::CollisionGeometryd& a, const Pose& X_WA,
@@ -74,8 +61,8 @@ CollisionChecker::CollisionChecker(const world::VoxelSpace& space,
     shapes_->map->computeLocalAABB();
   }
   for (const world::SupportPlane& support_W : supports_W) {
-    shapes_->solids.push_back(SolidBelow(support_W, config.support_margin_m));
-    shapes_->solids.back().box.computeLocalAABB();
+    const geometry::PlacedShape solid = world::SolidBelow(support_W, config.support_margin_m);
+    shapes_->solids.push_back({geometry::MakeCollisionShape(solid.shape, 0.0), solid.X_AS});
   }
 }
 
@@ -91,7 +78,7 @@ std::optional<Contact> CollisionChecker::Touches(const Pose2& X_WB) const {
   Pose X_WF = ToPose(X_WB);
   X_WF.translation().z() = shapes_->middle;
   for (const Solid& solid : shapes_->solids) {
-    const auto p_WQ = FirstContact(shapes_->footprint, X_WF, solid.box, solid.X_WS);
+    const auto p_WQ = FirstContact(shapes_->footprint, X_WF, *solid.geometry, solid.X_WS);
     if (p_WQ) return Contact{true, *p_WQ};
   }
   if (!shapes_->map) return std::nullopt;

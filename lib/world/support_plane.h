@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "lib/common/pose.h"
+#include "lib/geometry/shape.h"
 
 namespace secondlook::world {
 
@@ -26,5 +27,9 @@ struct SupportPlane {
 
 /// The same plane in frame W, given X_WA.
 SupportPlane Transform(const Pose& X_WA, const SupportPlane& plane_A);
+
+/// What a support surface stands on, as nobody sees its underside: a box from the floor to its top,
+/// `margin` [m] larger than its rectangle on all sides. In W.
+geometry::PlacedShape SolidBelow(const SupportPlane& plane_W, double margin);
 
 }  // namespace secondlook::world

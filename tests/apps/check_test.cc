@@ -42,6 +42,19 @@ TEST_F(Check, SaysOfEachThingThatItIsWell) {
   EXPECT_THAT(result.out, ContainsRegex("ok +base +'base': at \\("));
 }
 
+TEST_F(Check, NamesTheArmAndTheCameraInItsHand) {
+  const std::string arm = "robot.arm={urdf: sim/robots/arm.urdf";
+  const ProgramResult result = Run({arm + "}"});
+  EXPECT_EQ(result.status, 0) << result.out;
+  EXPECT_THAT(result.out, ContainsRegex("ok +arm +'arm': 7 joints, at 80, 45, 0, 112, "));
+  EXPECT_THAT(result.out, ContainsRegex("ok +hand camera +'hand': 640 x 480 pixels, with depth"));
+  EXPECT_THAT(result.out, ContainsRegex("ok +hand frame +'hand': frame 1 came"));
+
+  const ProgramResult wrong = Run({arm + ", tip: gripper}"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.out, ContainsRegex("WRONG +robot +robot 'arm' has no link 'gripper'"));
+}
+
 TEST_F(Check, GoesOnAfterTheFirstFaultAndListsAll) {
   // One model changed behind the database's back, one with a mesh that is none.
   std::filesystem::copy(world_.models() / "block", world_.models() / "another",

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 const std::map<std::string, std::set<std::string>> kAllowed = {
     {"lib/common", {}},
     {"lib/geometry", {"lib/common"}},
-    {"lib/kinematics", {"lib/common"}},
+    {"lib/kinematics", {"lib/common", "lib/geometry"}},
     {"lib/transport", {"lib/common"}},
     {"lib/hal", {"lib/common", "lib/geometry"}},
     {"lib/hal/replay",
@@ -28,9 +28,11 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"lib/world", {"lib/common", "lib/geometry", "lib/hal"}},
     {"lib/perception", {"lib/common", "lib/geometry", "lib/hal", "lib/world"}},
     {"lib/fusion", {"lib/common", "lib/geometry", "lib/hal", "lib/world"}},
+    {"lib/planning/motion",
+     {"lib/common", "lib/geometry", "lib/kinematics", "lib/hal", "lib/world"}},
     {"lib/planning",
      {"lib/common", "lib/geometry", "lib/kinematics", "lib/hal", "lib/world", "lib/perception",
-      "lib/fusion"}},
+      "lib/fusion", "lib/planning/motion"}},
     {"sim", {"lib/common", "lib/geometry", "lib/kinematics", "lib/hal"}},
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/hal/tap.h"
+#include "tests/hal/arm_contract.h"
 #include "tests/hal/base_contract.h"
 #include "tests/hal/camera_contract.h"
 #include "tests/hal/clock_contract.h"
@@ -15,19 +16,23 @@ namespace {
 const auto kName = [](const auto& info) { return info.param.name; };
 
 std::shared_ptr<sim::SimulatedRobot> Make(bool noisy) {
-  return sim::MakeShared(sim::FreeScene(), noisy ? sim::NoiseConfig{} : sim::NoiseConfig::None(),
-                         3);
+  sim::SimConfig config;
+  config.noise = noisy ? sim::NoiseConfig{} : sim::NoiseConfig::None();
+  config.arm.emplace().urdf = "sim/robots/arm.urdf";
+  return sim::MakeShared(sim::FreeScene(), config, 3);
 }
 
-/// A simulated robot, its camera as it was before anything was tapped.
+/// A simulated robot with an arm, its cameras as they were before anything was tapped.
 struct Simulated {
   std::shared_ptr<sim::SimulatedRobot> owner;
   sim::SimCamera* camera;
+  sim::SimCamera* hand_camera;
   hal::Robot& robot;
 
   explicit Simulated(std::shared_ptr<sim::SimulatedRobot> simulated)
       : owner(std::move(simulated)),
         camera(static_cast<sim::SimCamera*>(owner->robot.head_camera.get())),
+        hand_camera(static_cast<sim::SimCamera*>(owner->robot.hand_camera.get())),
         robot(owner->robot) {}
 };
 
@@ -56,6 +61,13 @@ const auto kCameraRig = [](const Simulated& s) {
   const auto lose = [camera = s.camera] { camera->SetFault(sim::CameraFault::kLost); };
   return hal::CameraRig{s.robot.clock.get(), s.robot.head_camera.get(), lose, false, s.owner};
 };
+const auto kHandCameraRig = [](const Simulated& s) {
+  const auto lose = [camera = s.hand_camera] { camera->SetFault(sim::CameraFault::kLost); };
+  return hal::CameraRig{s.robot.clock.get(), s.robot.hand_camera.get(), lose, false, s.owner};
+};
+const auto kArmRig = [](const Simulated& s) {
+  return hal::ArmRig{s.robot.clock.get(), s.robot.arm.get(), s.owner};
+};
 const auto kBaseRig = [](const Simulated& s) {
   return hal::BaseRig{s.robot.clock.get(), s.robot.base.get(), s.owner};
 };
@@ -72,6 +84,11 @@ namespace hal {
 INSTANTIATE_TEST_SUITE_P(Sim, CameraContract,
                          ::testing::ValuesIn(CleanNoisyAndTapped<CameraFactory>(kCameraRig)),
                          kName);
+INSTANTIATE_TEST_SUITE_P(SimHand, CameraContract,
+                         ::testing::ValuesIn(CleanNoisyAndTapped<CameraFactory>(kHandCameraRig)),
+                         kName);
+INSTANTIATE_TEST_SUITE_P(Sim, ArmContract,
+                         ::testing::ValuesIn(CleanNoisyAndTapped<ArmFactory>(kArmRig)), kName);
 INSTANTIATE_TEST_SUITE_P(Sim, BaseContract,
                          ::testing::ValuesIn(CleanNoisyAndTapped<BaseFactory>(kBaseRig)), kName);
 INSTANTIATE_TEST_SUITE_P(Sim, PanTiltContract,

@@ -17,11 +17,16 @@ inline Scene FreeScene() {
   return scene;
 }
 
+inline std::shared_ptr<SimulatedRobot> MakeShared(const Scene& scene, const SimConfig& config,
+                                                  std::uint64_t seed) {
+  return std::make_shared<SimulatedRobot>(MakeSimulatedRobot(scene, config, seed));
+}
+
 inline std::shared_ptr<SimulatedRobot> MakeShared(const Scene& scene, const NoiseConfig& noise,
                                                   std::uint64_t seed) {
   SimConfig config;
   config.noise = noise;
-  return std::make_shared<SimulatedRobot>(MakeSimulatedRobot(scene, config, seed));
+  return MakeShared(scene, config, seed);
 }
 
 /// Steps until the base has ended its motion.

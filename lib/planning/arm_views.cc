@@ -1,0 +1,152 @@
+#include "lib/planning/arm_views.h"
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "lib/common/check_range.h"
+#include "lib/common/error.h"
+#include "lib/common/rng.h"
+
+namespace secondlook::planning {
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180.0;
+
+/// Adds the check to `look` and returns whether it passed.
+bool CheckLook(const char* name, bool passed, std::string detail, world::Look* look) {
+  if (!passed) look->reason = fmt::format("{}: {}", name, detail);
+  look->checks.push_back({name, passed, std::move(detail)});
+  return passed;
+}
+
+bool CheckDepth(double distance, const hal::CameraInfo& camera, world::Look* look) {
+  if (!camera.has_depth) return true;
+  return CheckLook(
+      "range", distance >= camera.min_depth && distance <= camera.max_depth,
+      fmt::format("{:.2f} m in {:.2f}..{:.2f} m", distance, camera.min_depth, camera.max_depth),
+      look);
+}
+
+/// Where the cameras of all candidates are.
+std::vector<Eigen::Vector3d> CamerasAround(const Eigen::Vector3d& p_WT,
+                                           const ArmViewsConfig& config) {
+  std::vector<Eigen::Vector3d> cameras_W;
+  for (const double distance : {config.inner_distance_m, config.outer_distance_m}) {
+    for (int ring = 0; ring < config.elevations; ++ring) {
+      const double share = config.elevations == 1 ? 0.5 : ring / (config.elevations - 1.0);
+      const double elevation =
+          kRadians * (config.lowest_elevation_deg +
+                      share * (config.highest_elevation_deg - config.lowest_elevation_deg));
+      for (int i = 0; i < config.azimuths; ++i) {
+        const double azimuth = 2.0 * std::numbers::pi / config.azimuths * (i + 0.5 * (ring % 2));
+        cameras_W.push_back(p_WT +
+                            distance * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
+                                                       std::cos(elevation) * std::sin(azimuth),
+                                                       std::sin(elevation)));
+      }
+    }
+  }
+  return cameras_W;
+}
+
+/// The joint angles that bring the camera there, any roll will do.
+std::vector<Eigen::VectorXd> CheckInverseKinematics(const ArmCarrier& carrier,
+                                                    const ArmViewsConfig& config,
+                                                    world::Look* look) {
+  const Pose X_BC = ToPose(carrier.X_WB).inverse() * look->X_WC;
+  kinematics::JointSolutions solutions = kinematics::SolveInverseKinematics(
+      carrier.hand.arm, {X_BC, carrier.hand.X_EC, true}, carrier.q, config.inverse_kinematics);
+  CheckLook("inverse kinematics", !solutions.q.empty(),
+            solutions.q.empty() ? solutions.reason : fmt::format("{} ways", solutions.q.size()),
+            look);
+  return std::move(solutions.q);
+}
+
+/// Those of `postures` that touch nothing.
+std::vector<Eigen::VectorXd> CheckCollision(const std::vector<Eigen::VectorXd>& postures,
+                                            const ArmCollision& collision, world::Look* look) {
+  std::vector<Eigen::VectorXd> free;
+  std::string first;
+  for (const Eigen::VectorXd& q : postures) {
+    const std::optional<std::string> touch = collision.Touches(q);
+    if (!touch) free.push_back(q);
+    if (touch && first.empty()) first = *touch;
+  }
+  CheckLook("collision", !free.empty(), free.empty() ? first : "free", look);
+  return free;
+}
+
+/// The first of `postures` that has a way there.
+bool CheckPath(const std::vector<Eigen::VectorXd>& postures, const ArmCarrier& carrier,
+               const ArmCollision& collision, std::uint64_t seed, const MotionConfig& config,
+               ArmLook* candidate) {
+  std::string reason;
+  for (const Eigen::VectorXd& q : postures) {
+    PlannedMotion motion = PlanMotion(collision, carrier.arm.joints, carrier.q, q, seed, config);
+    if (motion.outcome != MotionOutcome::kFound) {
+      if (reason.empty()) reason = std::move(motion.reason);
+      continue;
+    }
+    candidate->q = q;
+    candidate->trajectory = std::move(motion.trajectory);
+    candidate->look.seconds = candidate->trajectory.seconds();
+    // Any roll would do; this is the one that it has there.
+    candidate->look.X_WC = ToPose(carrier.X_WB) * kinematics::CameraInBase(carrier.hand, q);
+    return CheckLook("path", true, fmt::format("{:.1f} s", candidate->look.seconds),
+                     &candidate->look);
+  }
+  return CheckLook("path", false, reason, &candidate->look);
+}
+
+bool CheckAll(const ArmCarrier& carrier, const ArmCollision& collision, double distance,
+              std::uint64_t seed, const ArmViewsConfig& config, ArmLook* candidate) {
+  world::Look* look = &candidate->look;
+  if (!CheckDepth(distance, carrier.camera, look)) return false;
+  const std::vector<Eigen::VectorXd> reaching = CheckInverseKinematics(carrier, config, look);
+  if (reaching.empty()) return false;
+  const std::vector<Eigen::VectorXd> free = CheckCollision(reaching, collision, look);
+  if (free.empty()) return false;
+  return CheckPath(free, carrier, collision, seed, config.motion, candidate);
+}
+
+}  // namespace
+
+void ArmViewsConfig::Validate() const {
+  CheckRange(inner_distance_m, 0.05, 3.0, "inner_distance_m");
+  CheckRange(outer_distance_m, inner_distance_m, 3.0, "outer_distance_m");
+  CheckRange(lowest_elevation_deg, 0.0, 89.0, "lowest_elevation_deg");
+  CheckRange(highest_elevation_deg, lowest_elevation_deg, 89.0, "highest_elevation_deg");
+  CheckRange(elevations, 1, 100, "elevations");
+  CheckRange(azimuths, 1, 100, "azimuths");
+  inverse_kinematics.Validate();
+  motion.Validate();
+}
+
+std::vector<ArmLook> ArmViews(const Eigen::Vector3d& p_WT, int target, const ArmCarrier& carrier,
+                              const ArmCollision& collision, std::uint64_t seed,
+                              const ArmViewsConfig& config) {
+  config.Validate();
+  if (!p_WT.allFinite()) {
+    Throw<InvalidArgument>(
+        "arm views: the position p_WT = ({}, {}, {}) m of target {} is not finite", p_WT.x(),
+        p_WT.y(), p_WT.z(), target);
+  }
+  std::vector<ArmLook> candidates;
+  for (const Eigen::Vector3d& p_WC : CamerasAround(p_WT, config)) {
+    ArmLook candidate;
+    candidate.look.kind = "arm";
+    candidate.look.target = target;
+    candidate.look.X_WB = carrier.X_WB;
+    candidate.look.X_WC = LookAt(p_WC, p_WT);
+    const std::uint64_t own = ForkSeed(seed, fmt::format("arm view {}", candidates.size()));
+    candidate.look.feasible =
+        CheckAll(carrier, collision, (p_WC - p_WT).norm(), own, config, &candidate);
+    candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+}  // namespace secondlook::planning
