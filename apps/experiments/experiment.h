@@ -72,4 +72,9 @@ void RunRecognitionExperiment(const ExperimentOptions& options);
 /// @throws ConfigError for a folder of models that cannot be read.
 void RunPoseAveragingExperiment(const ExperimentOptions& options);
 
+/// One thing on a crowded table, of ten models, from its cluster alone. A trial is a table; the
+/// baseline is OpenCV's PPF3DDetector with its ICP on the same cluster.
+/// @throws ConfigError for a folder of models that cannot be read.
+void RunPpfPeersExperiment(const ExperimentOptions& options);
+
 }  // namespace secondlook::apps

@@ -1,6 +1,8 @@
 #include "apps/experiments/free_camera.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include <opencv2/core.hpp>
 
@@ -20,6 +22,15 @@ geometry::CameraModel Widened(geometry::CameraModel model) {
 }
 
 }  // namespace
+
+Pose DrawView(const Eigen::Vector3d& target_W, Rng* rng) {
+  const double azimuth = rng->Uniform(-std::numbers::pi, std::numbers::pi);
+  const double elevation = rng->Uniform(20.0, 70.0) * std::numbers::pi / 180.0;
+  const double distance = rng->Uniform(0.6, 1.2);
+  const Eigen::Vector3d towards(std::cos(elevation) * std::cos(azimuth),
+                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+  return LookAt(target_W + distance * towards, target_W);
+}
 
 FreeCamera::FreeCamera(const sim::Scene& scene, std::uint64_t seed)
     : robot_(sim::MakeSimulatedRobot(scene, {}, seed)),

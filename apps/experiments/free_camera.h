@@ -21,6 +21,9 @@ struct Photo {
   cv::Mat clean_depth;  ///< sim::Render::depth.
 };
 
+/// A camera that looks at `target_W` from 0.6 to 1.2 m, 20 to 70 degrees above it, from any side.
+Pose DrawView(const Eigen::Vector3d& target_W, Rng* rng);
+
 /// The simulated robot's camera, without the robot: held anywhere in a scene.
 class FreeCamera {
  public:
