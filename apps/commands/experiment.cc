@@ -21,6 +21,7 @@ struct Experiment {
 
 constexpr Experiment kExperiments[] = {
     {"missions", RunMissionsExperiment, 50, 0},
+    {"ppf-peers", RunPpfPeersExperiment, 100, 0},
     {"recognition", RunRecognitionExperiment, 10, 48},
     {"real-frames", RunRealFramesExperiment, 1000000, 0},  // all that there are
     {"pose-averaging", RunPoseAveragingExperiment, 3, 20},

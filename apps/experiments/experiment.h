@@ -87,5 +87,9 @@ void RunAmbiguityExperiment(const ExperimentOptions& options);
 /// hypothesis, are called unknown, and true ones are not.
 /// @throws ConfigError without unfamiliar objects, too.
 void RunRejectionExperiment(const ExperimentOptions& options);
+/// One thing on a crowded table, of ten models, from its cluster alone. A trial is a table; the
+/// baseline is OpenCV's PPF3DDetector with its ICP on the same cluster.
+/// @throws ConfigError for a folder of models that cannot be read.
+void RunPpfPeersExperiment(const ExperimentOptions& options);
 
 }  // namespace secondlook::apps

@@ -168,15 +168,19 @@ sim::Scene DrawCrowdedTable(const std::vector<sim::SceneObject>& things, Rng* rn
   return scene;
 }
 
-Pose DrawView(const sim::Table& table, Rng* rng) {
-  const Eigen::Vector3d target(table.position.x() + rng->Uniform(-0.1, 0.1),
-                               table.position.y() + rng->Uniform(-0.1, 0.1), table.height + 0.05);
+Pose DrawViewOf(const Eigen::Vector3d& target_W, Rng* rng) {
   const double azimuth = rng->Uniform(-std::numbers::pi, std::numbers::pi);
   const double elevation = rng->Uniform(20.0, 70.0) * std::numbers::pi / 180.0;
   const double distance = rng->Uniform(0.6, 1.2);
   const Eigen::Vector3d towards(std::cos(elevation) * std::cos(azimuth),
                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-  return LookAt(target + distance * towards, target);
+  return LookAt(target_W + distance * towards, target_W);
+}
+
+Pose DrawView(const sim::Table& table, Rng* rng) {
+  const double x = table.position.x() + rng->Uniform(-0.1, 0.1);
+  const double y = table.position.y() + rng->Uniform(-0.1, 0.1);
+  return DrawViewOf({x, y, table.height + 0.05}, rng);
 }
 
 std::vector<sim::SceneObject> DrawObjects(std::vector<sim::SceneObject> pool, int count, Rng* rng) {

@@ -29,7 +29,10 @@ sim::Scene DrawScene(const Repertoire& repertoire, Rng* rng);
 /// from most sides, some hide others. What finds no room in many attempts is left out.
 sim::Scene DrawCrowdedTable(const std::vector<sim::SceneObject>& things, Rng* rng);
 
-/// A camera between 0.6 and 1.2 m from the middle of the table, 20 to 70 degrees above it.
+/// A camera that looks at `target_W` from 0.6 to 1.2 m, 20 to 70 degrees above it, from any side.
+Pose DrawViewOf(const Eigen::Vector3d& target_W, Rng* rng);
+
+/// … at a point near the middle of the table.
 Pose DrawView(const sim::Table& table, Rng* rng);
 
 /// Takes `count` random objects out of `pool`, or all when there are fewer.

@@ -10,17 +10,23 @@
 
 namespace secondlook::apps {
 
-std::vector<world::Detection> Detect(const Photo& photo, const geometry::CameraModel& camera,
-                                     const std::vector<perception::RecognitionModel>& models) {
+std::optional<CutPhoto> Cut(const Photo& photo, const geometry::CameraModel& camera) {
   const UnderstandingConfig config;
   const Eigen::Vector3d up_C = photo.X_WC.linear().transpose() * Eigen::Vector3d::UnitZ();
   const double max_drop = photo.X_WC.translation().z() - config.floor_clearance_m;
-  const perception::Segmentation cut = perception::Segment(
-      geometry::Deproject(photo.frame.depth, camera), up_C, config.segment, max_drop);
-  if (!cut.plane_C) return {};
-  const perception::View view = perception::MakeView(photo.frame.color, photo.frame.depth, camera,
-                                                     *cut.plane_C, cut.clusters);
-  return perception::Recognise(view, cut.clusters, models, config.recognise);
+  perception::Segmentation cut = perception::Segment(geometry::Deproject(photo.frame.depth, camera),
+                                                     up_C, config.segment, max_drop);
+  if (!cut.plane_C) return std::nullopt;
+  perception::View view = perception::MakeView(photo.frame.color, photo.frame.depth, camera,
+                                               *cut.plane_C, cut.clusters);
+  return CutPhoto{std::move(view), std::move(cut.clusters)};
+}
+
+std::vector<world::Detection> Detect(const Photo& photo, const geometry::CameraModel& camera,
+                                     const std::vector<perception::RecognitionModel>& models) {
+  const std::optional<CutPhoto> cut = Cut(photo, camera);
+  if (!cut) return {};
+  return perception::Recognise(cut->view, cut->clusters, models, UnderstandingConfig().recognise);
 }
 
 std::vector<perception::Choice> Choose(const std::vector<world::Detection>& detections,
