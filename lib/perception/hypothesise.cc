@@ -182,7 +182,9 @@ std::vector<PoseGuess> HypothesisePoses(const RecognitionModel& model, const Vie
   }
   guesses = KeepDistinct(std::move(guesses), model, 0.02, 0.2, 3 * count);
   for (PoseGuess& guess : guesses) {
-    guess.X_CM = AlignPoints(model, guess.X_CM, view, label, kFinePoints, 5, 0.025);
+    for (const double gate : {0.025, 0.015}) {
+      guess.X_CM = AlignPoints(model, guess.X_CM, view, label, kFinePoints, 5, gate);
+    }
     guess.quality = MatchPoints(model, guess.X_CM, view, label, pixels, kFinePoints).quality *
                     (0.4 + 0.6 * ColorShare(model, guess.X_CM, view, label));
   }

@@ -15,11 +15,14 @@ struct RecogniseConfig {
   VerifyConfig verify;
   int guesses_per_model = 4;      ///< Poses of one model that are refined.
   int hypotheses_per_model = 3;   ///< That are handed on, with their verification.
-  double min_guess_share = 0.45;  ///< A guess below this share of the cluster's best is dropped.
+  double min_guess_share = 0.35;  ///< A guess below this share of the cluster's best is dropped.
   double min_score = 0.9;         ///< Of a hypothesis that is chosen.
   /// How far ahead of every rival the best hypothesis must be to be verified: difference of the
   /// log-odds of the scores.
   double min_lead = 1.0;
+  /// Poses of one model nearer than this are one answer, and need no lead over each other.
+  double tolerance_m = 0.03;
+  double tolerance_deg = 15.0;
 
   template <class A>
   void Serialize(A* a) {
@@ -29,6 +32,8 @@ struct RecogniseConfig {
     a->Visit("min_guess_share", &min_guess_share);
     a->Visit("min_score", &min_score);
     a->Visit("min_lead", &min_lead);
+    a->Visit("tolerance_m", &tolerance_m);
+    a->Visit("tolerance_deg", &tolerance_deg);
   }
 
   /// @throws ConfigError naming the value.
