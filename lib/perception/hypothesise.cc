@@ -42,21 +42,6 @@ double ExtentOf(const std::vector<OrientedPoint>& surface) {
   return extent;
 }
 
-/// The mean of the model's points that face the camera at X_CM.
-Eigen::Vector3d VisibleMean(const RecognitionModel& model, const Pose& X_CM) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double weights = 0.0;
-  for (int i = 0; i < kRoughPoints; ++i) {
-    const ModelPoint& point = model.points[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d p = X_CM * point.point.cast<double>();
-    const double cosine = -(X_CM.linear() * point.normal.cast<double>()).dot(p) / p.norm();
-    if (cosine <= 0.1) continue;
-    sum += cosine * p;
-    weights += cosine;
-  }
-  return weights > 0.0 ? Eigen::Vector3d(sum / weights) : X_CM * model.center_M;
-}
-
 /// The model resting on `down_M`, turned by `yaw` about the plane's normal, its visible surface
 /// centred on the cluster's.
 Pose RestAt(const RecognitionModel& model, const Eigen::Vector3d& down_M, double yaw,
@@ -163,6 +148,20 @@ std::vector<OrientedPoint> OrientCluster(const View& view, int label,
     if (point) surface.push_back(*point);
   }
   return surface;
+}
+
+Eigen::Vector3d VisibleMean(const RecognitionModel& model, const Pose& X_CM) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double weights = 0.0;
+  for (int i = 0; i < kRoughPoints; ++i) {
+    const ModelPoint& point = model.points[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d p = X_CM * point.point.cast<double>();
+    const double cosine = -(X_CM.linear() * point.normal.cast<double>()).dot(p) / p.norm();
+    if (cosine <= 0.1) continue;
+    sum += cosine * p;
+    weights += cosine;
+  }
+  return weights > 0.0 ? Eigen::Vector3d(sum / weights) : X_CM * model.center_M;
 }
 
 std::vector<PoseGuess> HypothesisePoses(const RecognitionModel& model, const View& view, int label,

@@ -14,9 +14,15 @@ namespace {
 using geometry::DepthRasteriser;
 using geometry::PixelRect;
 
-constexpr double kPairs = 2500.0;
-constexpr double kPatch_px = 49.0;       // neighbouring pixels err alike
-constexpr double kToneFloor = 0.1;       // of the sensor's noise and of resampling, in tones
+constexpr double kPairs = 1200.0;
+/// Fine errors (a print a pixel aside) are alike over so many pixels, coarse ones (a shadow, a
+/// worn label) over a block; and so large they may be anyhow, in tones.
+constexpr double kFinePatch_px = 49.0;
+constexpr int kBlock_px = 21;
+constexpr double kFineFloor = 0.1;
+constexpr double kCoarseFloor = 0.2;
+/// Beyond this, the ratio is surer than its assumptions are.
+constexpr double kMostRatio = 8.0;
 constexpr double kMostDifference = 2.0;  // a highlight is no more than that
 
 DepthRasteriser Rendered(const RecognitionModel& model, const Pose& X_CM, const View& view) {
@@ -35,15 +41,40 @@ PixelRect Common(const PixelRect& a, const PixelRect& b) {
   return both;
 }
 
-/// Of the tones that were measured less those to expect.
-Eigen::Matrix3d Covariance(const std::vector<ColorPair>& pairs) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& difference : ToneDifferences(pairs)) {
-    const Eigen::Vector3d e = difference.cwiseMax(-kMostDifference).cwiseMin(kMostDifference);
-    sum += e * e.transpose();
+/// What is left between the tones that were measured and those to expect, at pixels of a grid.
+struct Residuals {
+  std::vector<Eigen::Vector3d> coarse;  ///< Mean of the block that the pixel lies in.
+  std::vector<Eigen::Vector3d> fine;    ///< What the pixel differs from that.
+};
+
+Residuals ResidualsOf(const std::vector<ColorPair>& pairs, const std::vector<int>& blocks,
+                      int block_count) {
+  const auto count = static_cast<std::size_t>(block_count);
+  std::vector<Eigen::Vector3d> sums(count, Eigen::Vector3d::Zero());
+  std::vector<double> counts(count, 0.0);
+  Residuals residuals;
+  residuals.fine = ToneDifferences(pairs);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    Eigen::Vector3d& e = residuals.fine[i];
+    e = e.cwiseMax(-kMostDifference).cwiseMin(kMostDifference);
+    sums[static_cast<std::size_t>(blocks[i])] += e;
+    counts[static_cast<std::size_t>(blocks[i])] += 1.0;
   }
-  return sum / static_cast<double>(pairs.size()) +
-         kToneFloor * kToneFloor * Eigen::Matrix3d::Identity();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto block = static_cast<std::size_t>(blocks[i]);
+    residuals.coarse.emplace_back(sums[block] / counts[block]);
+    residuals.fine[i] -= residuals.coarse[i];
+  }
+  return residuals;
+}
+
+/// The logarithm of the generalised variance of `residuals`.
+double LogVariance(const std::vector<Eigen::Vector3d>& residuals, double floor) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& e : residuals) sum += e * e.transpose();
+  const Eigen::Matrix3d covariance =
+      sum / static_cast<double>(residuals.size()) + floor * floor * Eigen::Matrix3d::Identity();
+  return std::log(covariance.determinant());
 }
 
 }  // namespace
@@ -60,6 +91,8 @@ std::optional<double> PosedColors::LogRatio(const PosedColors& other) const {
   const int step = std::max(1, static_cast<int>(std::sqrt(window.area() / kPairs)));
   std::vector<ColorPair> own_pairs;
   std::vector<ColorPair> other_pairs;
+  std::vector<int> blocks;  // by pair
+  const int columns = window.width / kBlock_px + 1;
   for (int v = window.y; v < window.y + window.height; v += step) {
     for (int u = window.x; u < window.x + window.width; u += step) {
       const auto measured = static_cast<double>(view_.depth.at<float>(v, u));
@@ -80,12 +113,20 @@ std::optional<double> PosedColors::LogRatio(const PosedColors& other) const {
       there->measured = here->measured;
       own_pairs.push_back(*here);
       other_pairs.push_back(*there);
+      blocks.push_back((v - window.y) / kBlock_px * columns + (u - window.x) / kBlock_px);
     }
   }
   if (own_pairs.size() < 20) return {};
-  const double patches = static_cast<double>(own_pairs.size()) * step * step / kPatch_px;
-  return 0.5 * patches *
-         std::log(Covariance(other_pairs).determinant() / Covariance(own_pairs).determinant());
+  const int block_count = columns * (window.height / kBlock_px + 1);
+  const Residuals own = ResidualsOf(own_pairs, blocks, block_count);
+  const Residuals others = ResidualsOf(other_pairs, blocks, block_count);
+  const double pixels = static_cast<double>(own_pairs.size()) * step * step;
+  const auto ratio = [&](const auto& ours, const auto& theirs, double patch, double floor) {
+    return 0.5 * pixels / patch * (LogVariance(theirs, floor) - LogVariance(ours, floor));
+  };
+  const double sum = ratio(own.fine, others.fine, kFinePatch_px, kFineFloor) +
+                     ratio(own.coarse, others.coarse, kBlock_px * kBlock_px, kCoarseFloor);
+  return std::clamp(sum, -kMostRatio, kMostRatio);
 }
 
 }  // namespace secondlook::perception

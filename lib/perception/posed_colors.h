@@ -22,9 +22,10 @@ class PosedColors {
   /// Compared are the tones (ToneDifferences()) of the pixels at which both poses agree with the
   /// depth, or nothing is measured. Their differences from either pose are taken as normal, with a
   /// covariance that is found from them: so the ratio is that of the determinants of the two
-  /// covariances, to the power of half the number of independent patches. A print that is weak but
-  /// everywhere where it should be (the grain of wood) speaks as clearly as a strong one, and what
-  /// both poses get wrong alike (light, a worn label) counts for neither.
+  /// covariances, to the power of half the number of independent patches. What is alike over a
+  /// block of pixels is taken apart from what differs within: errors of the light are smooth, and
+  /// count once a block, while a print that is weak but everywhere where it should be (the grain of
+  /// wood) speaks as clearly as a strong one. At most 8 either way: gloss and wear follow no law.
   std::optional<double> LogRatio(const PosedColors& other) const;
 
  private:

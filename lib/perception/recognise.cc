@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -27,14 +26,6 @@ double LogOdds(double score) {
   return std::log(bounded / (1.0 - bounded));
 }
 
-/// What all but the colours say for a hypothesis: log-odds.
-double ShapeOdds(const Hypothesis& h) {
-  world::Verification v = h.verification;
-  v.color_agreement = std::numeric_limits<double>::quiet_NaN();
-  const double explained = v.matching > 0 ? std::sqrt(v.quality * v.visible / v.matching) : 0.0;
-  return LogOdds(ScoreOf(v, explained));
-}
-
 void SortByScore(std::vector<Hypothesis>* hypotheses) {
   std::stable_sort(hypotheses->begin(), hypotheses->end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
@@ -55,7 +46,7 @@ class Examination {
       for (const Pose& X_CM : TurnByColor(model_, X_refined, view_, label_, 4)) Add(X_CM);
     }
     KeepDistinct(kSameDistance, kSamePeak);
-    if (!found_.empty() && !found_.front().verification.accepted) {
+    if (!found_.empty() && !found_.front().verification.accepted && found_.front().score > 0.5) {
       Add(RefinePose(model_, found_.front().X_CM, view_, label_, 6, &rasteriser_));
       SortByScore(&found_);
     }
@@ -77,6 +68,10 @@ class Examination {
   static constexpr double kSamePeak = 9.0 * kDegree;  // [rad]
   static constexpr double kNudge = 10.0 * kDegree;
   static constexpr double kRivalTurn = 20.0 * kDegree;
+  static constexpr int kSpotTurns = 12;        // about the support plane's normal
+  static constexpr double kRivalShare = 0.7;   // of the best one's quality: less is no rival
+  static constexpr double kRivalColor = 0.15;  // that its colours may agree less
+  static constexpr std::size_t kPoints = 300;
   static constexpr int kRounds = 3;
 
   void Add(const Pose& X_CM) { found_.push_back(Verified(X_CM)); }
@@ -119,39 +114,73 @@ class Examination {
     SortByScore(&found_);
   }
 
+  /// Turned about the support plane's normal, what shows of it staying where it is.
+  Pose TurnedOnTheSpot(const Pose& X_CM, double angle) const {
+    const Eigen::Vector3d& up_C = view_.plane_C.normal_A;
+    const Eigen::Vector3d up_M = X_CM.linear().transpose() * up_C;
+    Pose X_CT = X_CM * TurnAbout({model_.center_M, up_M}, angle);
+    const Eigen::Vector3d shift = VisibleMean(model_, X_CM) - VisibleMean(model_, X_CT);
+    X_CT.translation() += shift - shift.dot(up_C) * up_C;
+    return X_CT;
+  }
+
   /// What fits as well as the best after a turn is a hypothesis of its own; what fits better takes
   /// over.
   void AddRivals(const Pose& X_best) {
     const auto stands = [&](const Pose& turn) {
       return !LeavesItsRest(model_, X_best, turn, view_.plane_C.normal_A);
     };
-    for (const double angle : {kNudge, kRivalTurn}) {
-      for (const Pose& turn : RivalTurns(model_, angle)) {
-        if (stands(turn)) AddAccepted(X_best * turn);
-      }
-    }
+    const auto points = static_cast<int>(std::min<std::size_t>(kPoints, model_.points.size()));
     const auto quality = [&](const Pose& X_CM) {
-      return MatchPoints(model_, X_CM, view_, label_, inner_pixels_, kPoints).quality;
+      return MatchPoints(model_, X_CM, view_, label_, inner_pixels_, points).quality;
     };
-    const double best_quality = quality(X_best);
+    const auto agreement = [&](const Pose& X_CM) {
+      return PointColorAgreement(model_, X_CM, view_, label_, points);
+    };
+    const double least_quality = kRivalShare * quality(X_best);
+    const double least_agreement = agreement(X_best) - kRivalColor;
+    /// By its points, which cost a hundredth of rendering it. Colours that are NaN say nothing.
+    const auto is_hopeless = [&](const Pose& X_CM) {
+      return quality(X_CM) < least_quality || agreement(X_CM) < least_agreement;
+    };
+    const auto add = [&](const std::vector<Pose>& turns) {
+      for (const Pose& turn : turns) {
+        const Pose X_CM = X_best * turn;
+        if (stands(turn) && !is_hopeless(X_CM)) AddAccepted(X_CM);
+      }
+    };
+    std::vector<Pose> nudges = RivalTurns(model_, kNudge);
+    std::erase_if(nudges, [](const Pose& turn) {
+      return RotationDistance(Eigen::Matrix3d::Identity(), turn.linear()) > 1.01 * kNudge;
+    });
+    add(nudges);
+    add(RivalTurns(model_, kRivalTurn));
+    // Where the shape is nearly the same, it has to be fitted again.
+    std::vector<Pose> fits;
     for (const Pose& turn : BoxTurns(model_)) {
-      const Pose X_CM = X_best * turn;
-      if (!stands(turn) || quality(X_CM) < 0.5 * best_quality) continue;
+      if (stands(turn)) fits.push_back(X_best * turn);
+    }
+    for (int i = 1; i < kSpotTurns; ++i) {
+      fits.push_back(TurnedOnTheSpot(X_best, 2.0 * std::numbers::pi * i / kSpotTurns));
+    }
+    for (const Pose& fit : fits) {
+      const Pose X_CM = AlignPoints(model_, fit, view_, label_, points, 5, 0.025);
+      if (is_hopeless(X_CM)) continue;
+      const PoseDistance d =
+          DistanceUpToSymmetry(X_best, X_CM, model_.symmetry, model_.center_M, true);
+      if (d.rotation < kNudge) continue;
       AddAccepted(RefinePose(model_, X_CM, view_, label_, 3, &rasteriser_));
     }
   }
 
-  /// Weighs the poses against each other by the shape, and by the colours where they differ. The
-  /// likeliest keeps its score, as the model as a whole is no likelier for it; the others get what
-  /// they lack of it.
+  /// Weighs the poses against each other by the colours where they differ, too. The likeliest keeps
+  /// its score, as the model as a whole is no likelier for it; the others get what they lack of it.
   void CompareColors() {
     const PosedColors first(model_, found_.front().X_CM, view_);
     std::vector<double> odds;
     for (const Hypothesis& h : found_) {
       const auto lead = first.LogRatio(PosedColors(model_, h.X_CM, view_));
-      odds.push_back(lead ? ShapeOdds(h) - *lead
-                          : LogOdds(h.score) - LogOdds(found_.front().score) +
-                                ShapeOdds(found_.front()));
+      odds.push_back(LogOdds(h.score) - lead.value_or(0.0));
     }
     const auto best = std::max_element(odds.begin(), odds.end());
     const double score = LogOdds(found_[static_cast<std::size_t>(best - odds.begin())].score);
@@ -159,8 +188,6 @@ class Examination {
       found_[i].score = 1.0 / (1.0 + std::exp(*best - odds[i] - score));
     }
   }
-
-  static constexpr int kPoints = 300;
 
   const RecognitionModel& model_;
   const View& view_;

@@ -15,7 +15,7 @@ struct RecogniseConfig {
   VerifyConfig verify;
   int guesses_per_model = 4;      ///< Poses of one model that are refined.
   int hypotheses_per_model = 3;   ///< That are handed on, with their verification.
-  double min_guess_share = 0.35;  ///< A guess below this share of the cluster's best is dropped.
+  double min_guess_share = 0.45;  ///< A guess below this share of the cluster's best is dropped.
   double min_score = 0.9;         ///< Of a hypothesis that is chosen.
   /// How far ahead of every rival the best hypothesis must be to be verified: difference of the
   /// log-odds of the scores.
@@ -40,11 +40,11 @@ struct RecogniseConfig {
   void Validate() const;
 };
 
-/// What each cluster of `view` may be: for every model poses are proposed, refined and verified;
-/// models that are symmetric in shape are turned by colour. One Detection per cluster, in order;
-/// its hypotheses by falling score, at most `hypotheses_per_model` of a model, and no two of one
-/// model within 9 degrees and 10 mm up to its symmetry of shape and colour. `reason` says why none
-/// is accepted. The same for any number of threads.
+/// What each cluster of `view` may be: for every model poses are proposed, refined and verified; of
+/// what is accepted, all poses that could be taken for it are, too, and they are told apart by the
+/// colours where they differ. One Detection per cluster, in order; its hypotheses by falling score,
+/// at most `hypotheses_per_model` of a model, those of an accepted one not within the tolerance of
+/// each other. `reason` says why none is accepted. The same for any number of threads.
 std::vector<world::Detection> Recognise(const View& view,
                                         const std::vector<world::Cluster>& clusters,
                                         const std::vector<RecognitionModel>& models,
