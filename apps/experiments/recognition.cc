@@ -13,6 +13,7 @@
 #include "apps/experiments/single_view.h"
 #include "lib/perception/symmetry.h"
 #include "lib/world/object_database.h"
+#include "sim/scene_renderer.h"
 
 namespace secondlook::apps {
 namespace {
@@ -59,7 +60,7 @@ class ViewJudge {
         if (things_[i].name != h.model || (*found)[i]) continue;
         const perception::PoseDistance error = ErrorOf(h, things_[i]);
         const bool near = error.translation <= kMaxError_m;
-        const bool right = near && error.rotation <= kMaxError_rad;
+        const bool right = IsRight(error);
         entry["near"] = near;
         entry["right"] = right;
         entry["error_mm"] = error.translation * 1e3;
@@ -71,7 +72,46 @@ class ViewJudge {
     return entries;
   }
 
+  /// Why the thing `index` of `photo` is not found.
+  Json WhyMissed(std::size_t index, const Photo& photo,
+                 const std::vector<world::Detection>& detections,
+                 const std::vector<perception::Choice>& choices) const {
+    const sim::PlacedObject& thing = things_[index];
+    bool cut_out = false;
+    const world::Hypothesis* best = nullptr;
+    const perception::Choice* choice = nullptr;
+    for (std::size_t d = 0; d < detections.size(); ++d) {
+      const int id = sim::kFirstObjectId + static_cast<int>(index);
+      if (!IsMostly(id, detections[d].cluster, photo.id)) continue;
+      cut_out = true;
+      for (const world::Hypothesis& h : detections[d].hypotheses) {
+        if (h.model != thing.name || !IsRight(ErrorOf(h, thing))) continue;
+        if (best != nullptr && best->score >= h.score) continue;
+        best = &h;
+        choice = &choices[d];
+      }
+    }
+    if (!cut_out) return {{"kind", "no cluster"}};
+    if (best == nullptr) return {{"kind", "not proposed"}};
+    if (!best->verification.accepted) {
+      return {{"kind", "rejected"}, {"reason", best->verification.reason}};
+    }
+    if (choice->hypothesis < 0) return {{"kind", "open"}, {"reason", choice->reason}};
+    return {{"kind", "outdone"}};
+  }
+
  private:
+  static bool IsRight(const perception::PoseDistance& error) {
+    return error.translation <= kMaxError_m && error.rotation <= kMaxError_rad;
+  }
+
+  static bool IsMostly(int id, const world::Cluster& cluster, const cv::Mat& ids) {
+    const auto own = std::count_if(cluster.pixels.begin(), cluster.pixels.end(), [&](int pixel) {
+      return ids.at<std::uint16_t>(pixel / ids.cols, pixel % ids.cols) == id;
+    });
+    return 2 * own > static_cast<std::ptrdiff_t>(cluster.pixels.size());
+  }
+
   perception::PoseDistance ErrorOf(const world::Hypothesis& h,
                                    const sim::PlacedObject& thing) const {
     const RecognitionModel* model = perception::FindModel(models_, h.model);
@@ -120,10 +160,14 @@ Json RunTrial(const sim::Scene& scene, const world::ObjectDatabase& database, in
     entry["objects"] = Json::array();
     const std::vector<double> visible = camera.VisibleShares(photo);
     for (std::size_t i = 0; i < things.size(); ++i) {
-      entry["objects"].push_back({{"name", things[i].name},
-                                  {"visible", visible[i]},
-                                  {"found", found[i] != 0},
-                                  {"baseline_found", found_by_quality[i] != 0}});
+      Json object{{"name", things[i].name},
+                  {"visible", visible[i]},
+                  {"found", found[i] != 0},
+                  {"baseline_found", found_by_quality[i] != 0}};
+      if (found[i] == 0 && visible[i] > 0.0) {
+        object["missed"] = judge.WhyMissed(i, photo, detections, choices);
+      }
+      entry["objects"].push_back(std::move(object));
     }
     entry["open"] = Open(detections, choices);
     trial["views"].push_back(std::move(entry));

@@ -42,21 +42,6 @@ double ExtentOf(const std::vector<OrientedPoint>& surface) {
   return extent;
 }
 
-/// The mean of the model's points that face the camera at X_CM.
-Eigen::Vector3d VisibleMean(const RecognitionModel& model, const Pose& X_CM) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double weights = 0.0;
-  for (int i = 0; i < kRoughPoints; ++i) {
-    const ModelPoint& point = model.points[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d p = X_CM * point.point.cast<double>();
-    const double cosine = -(X_CM.linear() * point.normal.cast<double>()).dot(p) / p.norm();
-    if (cosine <= 0.1) continue;
-    sum += cosine * p;
-    weights += cosine;
-  }
-  return weights > 0.0 ? Eigen::Vector3d(sum / weights) : X_CM * model.center_M;
-}
-
 /// The model resting on `down_M`, turned by `yaw` about the plane's normal, its visible surface
 /// centred on the cluster's.
 Pose RestAt(const RecognitionModel& model, const Eigen::Vector3d& down_M, double yaw,
@@ -165,6 +150,20 @@ std::vector<OrientedPoint> OrientCluster(const View& view, int label,
   return surface;
 }
 
+Eigen::Vector3d VisibleMean(const RecognitionModel& model, const Pose& X_CM) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double weights = 0.0;
+  for (int i = 0; i < kRoughPoints; ++i) {
+    const ModelPoint& point = model.points[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d p = X_CM * point.point.cast<double>();
+    const double cosine = -(X_CM.linear() * point.normal.cast<double>()).dot(p) / p.norm();
+    if (cosine <= 0.1) continue;
+    sum += cosine * p;
+    weights += cosine;
+  }
+  return weights > 0.0 ? Eigen::Vector3d(sum / weights) : X_CM * model.center_M;
+}
+
 std::vector<PoseGuess> HypothesisePoses(const RecognitionModel& model, const View& view, int label,
                                         const world::Cluster& cluster,
                                         const std::vector<OrientedPoint>& surface_C, int count) {
@@ -182,7 +181,9 @@ std::vector<PoseGuess> HypothesisePoses(const RecognitionModel& model, const Vie
   }
   guesses = KeepDistinct(std::move(guesses), model, 0.02, 0.2, 3 * count);
   for (PoseGuess& guess : guesses) {
-    guess.X_CM = AlignPoints(model, guess.X_CM, view, label, kFinePoints, 5, 0.025);
+    for (const double gate : {0.025, 0.015}) {
+      guess.X_CM = AlignPoints(model, guess.X_CM, view, label, kFinePoints, 5, gate);
+    }
     guess.quality = MatchPoints(model, guess.X_CM, view, label, pixels, kFinePoints).quality *
                     (0.4 + 0.6 * ColorShare(model, guess.X_CM, view, label));
   }

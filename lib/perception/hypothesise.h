@@ -19,6 +19,9 @@ struct PoseGuess {
 std::vector<geometry::OrientedPoint> OrientCluster(const View& view, int label,
                                                    const world::Cluster& cluster);
 
+/// The mean of the model's points that face the camera at X_CM, by the pixels they cover [m, C].
+Eigen::Vector3d VisibleMean(const RecognitionModel& model, const Pose& X_CM);
+
 /// The poses at which `model` may have made the cluster: from the votes of point pairs (any pose),
 /// and from the ways it rests on the support plane, turned about the plane's normal and put where
 /// the cluster is. Each is aligned with the measurements by the model's points; the best `count`

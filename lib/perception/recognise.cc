@@ -10,7 +10,10 @@
 #include "lib/common/check_range.h"
 #include "lib/common/parallel.h"
 #include "lib/perception/hypothesise.h"
+#include "lib/perception/point_match.h"
+#include "lib/perception/posed_colors.h"
 #include "lib/perception/refine.h"
+#include "lib/perception/rival_turns.h"
 #include "lib/perception/turn_by_color.h"
 
 namespace secondlook::perception {
@@ -18,117 +21,219 @@ namespace {
 
 using world::Hypothesis;
 
-constexpr double kSameDistance = 0.010;                       // [m]
-constexpr double kSamePeak = 9.0 * std::numbers::pi / 180.0;  // [rad]
+double LogOdds(double score) {
+  const double bounded = std::clamp(score, 1e-15, 1.0 - 1e-15);
+  return std::log(bounded / (1.0 - bounded));
+}
 
-constexpr double kTurn = 10.0 * std::numbers::pi / 180.0;  // [rad]
-
-/// Keeps the best of poses that no one can tell apart, at most `count`. Best first.
-std::vector<Hypothesis> KeepDistinct(std::vector<Hypothesis> hypotheses,
-                                     const RecognitionModel& model, int count) {
-  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+void SortByScore(std::vector<Hypothesis>* hypotheses) {
+  std::stable_sort(hypotheses->begin(), hypotheses->end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
-  std::vector<Hypothesis> kept;
-  for (Hypothesis& hypothesis : hypotheses) {
-    if (static_cast<int>(kept.size()) >= count) break;
-    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& other) {
-      const PoseDistance d =
-          DistanceUpToSymmetry(other.X_CM, hypothesis.X_CM, model.symmetry, model.center_M, true);
-      return d.translation < kSameDistance && d.rotation < kSamePeak;
-    });
-    if (!known) kept.push_back(std::move(hypothesis));
-  }
-  return kept;
 }
 
-/// The turns of X_CM about the centre by `angle` that the symmetry does not take back, about three
-/// axes of M: the continuous axis or z, and two across.
-std::vector<Pose> Neighbours(const RecognitionModel& model, const Pose& X_CM, double angle) {
-  const Eigen::Vector3d first =
-      model.symmetry.axis ? model.symmetry.axis->direction : Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d second = first.unitOrthogonal();
-  std::vector<Pose> poses;
-  for (const Eigen::Vector3d& direction : {first, second, Eigen::Vector3d(first.cross(second))}) {
-    for (const double sign : {-1.0, 1.0}) {
-      poses.push_back(X_CM * TurnAbout({model.center_M, direction}, sign * angle));
-    }
-  }
-  return poses;
-}
+/// Looks for the poses at which one model may have made one cluster.
+class Examination {
+ public:
+  Examination(const RecognitionModel& model, const View& view, int label, int inner_pixels,
+              const RecogniseConfig& config)
+      : model_(model), view_(view), label_(label), inner_pixels_(inner_pixels), config_(config) {}
 
-/// Refines the guesses of one model, turns them by colour, and verifies each.
-std::vector<Hypothesis> Examine(const RecognitionModel& model,
-                                const std::vector<PoseGuess>& guesses, const View& view, int label,
-                                int inner_pixels, const RecogniseConfig& config) {
-  geometry::DepthRasteriser rasteriser;
-  std::vector<Hypothesis> hypotheses;
-  for (const PoseGuess& guess : guesses) {
-    const Pose X_refined = RefinePose(model, guess.X_CM, view, label, 4, &rasteriser);
-    for (const Pose& X_CM : TurnByColor(model, X_refined, view, label, 4)) {
-      Hypothesis hypothesis;
-      hypothesis.model = model.name;
-      hypothesis.X_CM = X_CM;
-      hypothesis.verification = Verify(model, X_CM, view, label, inner_pixels, config.verify,
-                                       &rasteriser, &hypothesis.score);
-      hypotheses.push_back(std::move(hypothesis));
+  /// Refines the guesses, turns them by colour, verifies each, and looks for what could be taken
+  /// for the best.
+  std::vector<Hypothesis> Run(const std::vector<PoseGuess>& guesses) {
+    for (const PoseGuess& guess : guesses) {
+      const Pose X_refined = RefinePose(model_, guess.X_CM, view_, label_, 4, &rasteriser_);
+      for (const Pose& X_CM : TurnByColor(model_, X_refined, view_, label_, 4)) Add(X_CM);
     }
+    KeepDistinct(kSameDistance, kSamePeak);
+    if (!found_.empty() && !found_.front().verification.accepted && found_.front().score > 0.5) {
+      Add(RefinePose(model_, found_.front().X_CM, view_, label_, 6, &rasteriser_));
+      SortByScore(&found_);
+    }
+    for (int round = 0; round < kRounds; ++round) {
+      if (found_.empty() || !found_.front().verification.accepted) break;
+      Polish();
+      const Pose X_best = found_.front().X_CM;
+      AddRivals(X_best);
+      CompareColors();
+      KeepDistinct(config_.tolerance_m, config_.tolerance_deg * kDegree);
+      if (found_.front().X_CM.isApprox(X_best)) break;
+    }
+    return std::move(found_);
   }
-  hypotheses = KeepDistinct(std::move(hypotheses), model, config.hypotheses_per_model);
-  if (hypotheses.empty() || !hypotheses.front().verification.accepted) return hypotheses;
-  // Is the pose held by what is seen? What fits as well after a turn is a hypothesis of its own;
-  // what fits better takes over.
-  const auto verify = [&](const Pose& X_CM) {
+
+ private:
+  static constexpr double kDegree = std::numbers::pi / 180.0;
+  static constexpr double kSameDistance = 0.010;      // [m]
+  static constexpr double kSamePeak = 9.0 * kDegree;  // [rad]
+  static constexpr double kNudge = 10.0 * kDegree;
+  static constexpr double kRivalTurn = 20.0 * kDegree;
+  static constexpr int kSpotTurns = 12;        // about the support plane's normal
+  static constexpr double kRivalShare = 0.7;   // of the best one's quality: less is no rival
+  static constexpr double kRivalColor = 0.15;  // that its colours may agree less
+  static constexpr std::size_t kPoints = 300;
+  static constexpr int kRounds = 3;
+
+  void Add(const Pose& X_CM) { found_.push_back(Verified(X_CM)); }
+
+  void AddAccepted(const Pose& X_CM) {
+    Hypothesis hypothesis = Verified(X_CM);
+    if (hypothesis.verification.accepted) found_.push_back(std::move(hypothesis));
+  }
+
+  Hypothesis Verified(const Pose& X_CM) {
     Hypothesis hypothesis;
-    hypothesis.model = model.name;
+    hypothesis.model = model_.name;
     hypothesis.X_CM = X_CM;
-    hypothesis.verification = Verify(model, X_CM, view, label, inner_pixels, config.verify,
-                                     &rasteriser, &hypothesis.score);
+    hypothesis.verification = Verify(model_, X_CM, view_, label_, inner_pixels_, config_.verify,
+                                     &rasteriser_, &hypothesis.score);
     return hypothesis;
-  };
-  const Pose X_polished = PolishByColor(model, hypotheses.front().X_CM, view, label);
-  const Pose X_refined = RefinePose(model, X_polished, view, label, 2, &rasteriser);
-  for (const Pose& X_CM : {X_polished, X_refined}) hypotheses.push_back(verify(X_CM));
-  std::stable_sort(hypotheses.begin(), hypotheses.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
-  for (const Pose& X_CM : Neighbours(model, hypotheses.front().X_CM, kTurn)) {
-    Hypothesis turned = verify(X_CM);
-    if (turned.verification.accepted) hypotheses.push_back(std::move(turned));
   }
-  return KeepDistinct(std::move(hypotheses), model, config.hypotheses_per_model);
-}
+
+  /// Keeps the best of the poses that are nearer to each other than this. Best first.
+  void KeepDistinct(double distance, double angle) {
+    SortByScore(&found_);
+    std::vector<Hypothesis> kept;
+    for (Hypothesis& hypothesis : found_) {
+      if (static_cast<int>(kept.size()) >= config_.hypotheses_per_model) break;
+      const bool known = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& other) {
+        const PoseDistance d = DistanceUpToSymmetry(other.X_CM, hypothesis.X_CM, model_.symmetry,
+                                                    model_.center_M, true);
+        return d.translation < distance && d.rotation < angle;
+      });
+      if (!known) kept.push_back(std::move(hypothesis));
+    }
+    found_ = std::move(kept);
+  }
+
+  /// Turns the best by a little, to where it fits better.
+  void Polish() {
+    const Pose X_polished = PolishByColor(model_, found_.front().X_CM, view_, label_);
+    Add(X_polished);
+    Add(RefinePose(model_, X_polished, view_, label_, 2, &rasteriser_));
+    SortByScore(&found_);
+  }
+
+  /// Turned about the support plane's normal, what shows of it staying where it is.
+  Pose TurnedOnTheSpot(const Pose& X_CM, double angle) const {
+    const Eigen::Vector3d& up_C = view_.plane_C.normal_A;
+    const Eigen::Vector3d up_M = X_CM.linear().transpose() * up_C;
+    Pose X_CT = X_CM * TurnAbout({model_.center_M, up_M}, angle);
+    const Eigen::Vector3d shift = VisibleMean(model_, X_CM) - VisibleMean(model_, X_CT);
+    X_CT.translation() += shift - shift.dot(up_C) * up_C;
+    return X_CT;
+  }
+
+  /// What fits as well as the best after a turn is a hypothesis of its own; what fits better takes
+  /// over.
+  void AddRivals(const Pose& X_best) {
+    const auto stands = [&](const Pose& turn) {
+      return !LeavesItsRest(model_, X_best, turn, view_.plane_C.normal_A);
+    };
+    const auto points = static_cast<int>(std::min<std::size_t>(kPoints, model_.points.size()));
+    const auto quality = [&](const Pose& X_CM) {
+      return MatchPoints(model_, X_CM, view_, label_, inner_pixels_, points).quality;
+    };
+    const auto agreement = [&](const Pose& X_CM) {
+      return PointColorAgreement(model_, X_CM, view_, label_, points);
+    };
+    const double least_quality = kRivalShare * quality(X_best);
+    const double least_agreement = agreement(X_best) - kRivalColor;
+    /// By its points, which cost a hundredth of rendering it. Colours that are NaN say nothing.
+    const auto is_hopeless = [&](const Pose& X_CM) {
+      return quality(X_CM) < least_quality || agreement(X_CM) < least_agreement;
+    };
+    const auto add = [&](const std::vector<Pose>& turns) {
+      for (const Pose& turn : turns) {
+        const Pose X_CM = X_best * turn;
+        if (stands(turn) && !is_hopeless(X_CM)) AddAccepted(X_CM);
+      }
+    };
+    std::vector<Pose> nudges = RivalTurns(model_, kNudge);
+    std::erase_if(nudges, [](const Pose& turn) {
+      return RotationDistance(Eigen::Matrix3d::Identity(), turn.linear()) > 1.01 * kNudge;
+    });
+    add(nudges);
+    add(RivalTurns(model_, kRivalTurn));
+    // Where the shape is nearly the same, it has to be fitted again.
+    std::vector<Pose> fits;
+    for (const Pose& turn : BoxTurns(model_)) {
+      if (stands(turn)) fits.push_back(X_best * turn);
+    }
+    for (int i = 1; i < kSpotTurns; ++i) {
+      fits.push_back(TurnedOnTheSpot(X_best, 2.0 * std::numbers::pi * i / kSpotTurns));
+    }
+    for (const Pose& fit : fits) {
+      const Pose X_CM = AlignPoints(model_, fit, view_, label_, points, 5, 0.025);
+      if (is_hopeless(X_CM)) continue;
+      const PoseDistance d =
+          DistanceUpToSymmetry(X_best, X_CM, model_.symmetry, model_.center_M, true);
+      if (d.rotation < kNudge) continue;
+      AddAccepted(RefinePose(model_, X_CM, view_, label_, 3, &rasteriser_));
+    }
+  }
+
+  /// Weighs the poses against each other by the colours where they differ, too. The likeliest keeps
+  /// its score, as the model as a whole is no likelier for it; the others get what they lack of it.
+  void CompareColors() {
+    const PosedColors first(model_, found_.front().X_CM, view_);
+    std::vector<double> odds;
+    for (const Hypothesis& h : found_) {
+      const auto lead = first.LogRatio(PosedColors(model_, h.X_CM, view_));
+      odds.push_back(LogOdds(h.score) - lead.value_or(0.0));
+    }
+    const auto best = std::max_element(odds.begin(), odds.end());
+    const double score = LogOdds(found_[static_cast<std::size_t>(best - odds.begin())].score);
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      found_[i].score = 1.0 / (1.0 + std::exp(*best - odds[i] - score));
+    }
+  }
+
+  const RecognitionModel& model_;
+  const View& view_;
+  int label_;
+  int inner_pixels_;
+  const RecogniseConfig& config_;
+  geometry::DepthRasteriser rasteriser_;
+  std::vector<Hypothesis> found_;
+};
 
 /// True when nothing needs to tell two poses of one model apart: surfaces and colours coincide, but
 /// for a fiftieth of the points.
-bool LooksAlike(const std::vector<RecognitionModel>& models, const Hypothesis& a,
-                const Hypothesis& b) {
+bool LooksAlike(const RecognitionModel& model, const Hypothesis& a, const Hypothesis& b) {
   constexpr std::size_t kPoints = 300;
   constexpr float kDistance = 0.003F;     // [m]
   constexpr float kColorDistance = 0.2F;  // of the largest difference of RGB in [0, 1]
-  const RecognitionModel* model = FindModel(models, a.model);
-  if (model == nullptr) return false;
   const Pose X_AB = a.X_CM.inverse() * b.X_CM;
   const Eigen::Matrix3f R = X_AB.linear().cast<float>();
   const Eigen::Vector3f t = X_AB.translation().cast<float>();
-  const std::size_t count = std::min(kPoints, model->points.size());
+  const std::size_t count = std::min(kPoints, model.points.size());
   std::size_t differing = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3f p = R * model->points[i].point + t;
+    const Eigen::Vector3f p = R * model.points[i].point + t;
     const auto nearest =
-        std::min_element(model->points.begin(), model->points.end(),
+        std::min_element(model.points.begin(), model.points.end(),
                          [&](const ModelPoint& one, const ModelPoint& other) {
                            return (one.point - p).squaredNorm() < (other.point - p).squaredNorm();
                          });
     // Along the normal: the spacing of the points is no distance.
     const float off = std::abs(nearest->normal.dot(p - nearest->point));
-    const float color = (nearest->color - model->points[i].color).cwiseAbs().maxCoeff();
+    const float color = (nearest->color - model.points[i].color).cwiseAbs().maxCoeff();
     if (off > kDistance || color > kColorDistance) ++differing;
   }
   return count > 0 && 50 * differing <= count;
 }
 
-double LogOdds(double score) {
-  const double bounded = std::clamp(score, 1e-15, 1.0 - 1e-15);
-  return std::log(bounded / (1.0 - bounded));
+/// True when two hypotheses of one model are the same answer.
+bool NeedNotBeToldApart(const std::vector<RecognitionModel>& models, const Hypothesis& a,
+                        const Hypothesis& b, const RecogniseConfig& config) {
+  const RecognitionModel* model = FindModel(models, a.model);
+  if (model == nullptr) return false;
+  const PoseDistance d =
+      DistanceUpToSymmetry(a.X_CM, b.X_CM, model->symmetry, model->center_M, true);
+  const bool near = d.translation < config.tolerance_m &&
+                    d.rotation < config.tolerance_deg * std::numbers::pi / 180.0;
+  return near || LooksAlike(*model, a, b);
 }
 
 }  // namespace
@@ -140,6 +245,8 @@ void RecogniseConfig::Validate() const {
   CheckRange(min_guess_share, 0.0, 1.0, "min_guess_share");
   CheckRange(min_score, 0.0, 1.0, "min_score");
   CheckRange(min_lead, 0.0, 100.0, "min_lead");
+  CheckRange(tolerance_m, 0.0, 1.0, "tolerance_m");
+  CheckRange(tolerance_deg, 0.0, 180.0, "tolerance_deg");
 }
 
 std::vector<world::Detection> Recognise(const View& view,
@@ -178,8 +285,9 @@ std::vector<world::Detection> Recognise(const View& view,
   ParallelFor(cluster_count * model_count, [&](int k) {
     const auto index = static_cast<std::size_t>(k);
     const int c = k / model_count;
-    examined[index] = Examine(models[static_cast<std::size_t>(k % model_count)], guesses[index],
-                              view, c, inner[static_cast<std::size_t>(c)], config);
+    examined[index] = Examination(models[static_cast<std::size_t>(k % model_count)], view, c,
+                                  inner[static_cast<std::size_t>(c)], config)
+                          .Run(guesses[index]);
   });
 
   std::vector<world::Detection> detections(clusters.size());
@@ -229,7 +337,7 @@ std::vector<Choice> ChooseHypotheses(const std::vector<world::Detection>& detect
         const Hypothesis& rival = detection.hypotheses[k];
         const double lead = LogOdds(h.score) - LogOdds(rival.score);
         if (k == i || lead >= config.min_lead) continue;
-        if (rival.model == h.model && LooksAlike(models, h, rival)) continue;
+        if (rival.model == h.model && NeedNotBeToldApart(models, h, rival, config)) continue;
         choice.hypothesis = -1;
         choice.reason = fmt::format(
             "{} (score {:.3f}) is not enough ahead of {} (score {:.3f}): the log-odds differ by "

@@ -20,6 +20,9 @@ struct RecogniseConfig {
   /// How far ahead of every rival the best hypothesis must be to be verified: difference of the
   /// log-odds of the scores.
   double min_lead = 1.0;
+  /// Poses of one model nearer than this are one answer, and need no lead over each other.
+  double tolerance_m = 0.03;
+  double tolerance_deg = 15.0;
 
   template <class A>
   void Serialize(A* a) {
@@ -29,17 +32,19 @@ struct RecogniseConfig {
     a->Visit("min_guess_share", &min_guess_share);
     a->Visit("min_score", &min_score);
     a->Visit("min_lead", &min_lead);
+    a->Visit("tolerance_m", &tolerance_m);
+    a->Visit("tolerance_deg", &tolerance_deg);
   }
 
   /// @throws ConfigError naming the value.
   void Validate() const;
 };
 
-/// What each cluster of `view` may be: for every model poses are proposed, refined and verified;
-/// models that are symmetric in shape are turned by colour. One Detection per cluster, in order;
-/// its hypotheses by falling score, at most `hypotheses_per_model` of a model, and no two of one
-/// model within 9 degrees and 10 mm up to its symmetry of shape and colour. `reason` says why none
-/// is accepted. The same for any number of threads.
+/// What each cluster of `view` may be: for every model poses are proposed, refined and verified; of
+/// what is accepted, all poses that could be taken for it are, too, and they are told apart by the
+/// colours where they differ. One Detection per cluster, in order; its hypotheses by falling score,
+/// at most `hypotheses_per_model` of a model, those of an accepted one not within the tolerance of
+/// each other. `reason` says why none is accepted. The same for any number of threads.
 std::vector<world::Detection> Recognise(const View& view,
                                         const std::vector<world::Cluster>& clusters,
                                         const std::vector<RecognitionModel>& models,

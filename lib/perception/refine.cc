@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "lib/geometry/point_to_plane.h"
 #include "lib/perception/color_match.h"
 #include "lib/perception/contact.h"
+#include "lib/perception/rendered_colors.h"
 
 namespace secondlook::perception {
 namespace {
@@ -123,45 +123,6 @@ void AddOutlinePairs(const View& view, int label, const DepthRasteriser& rendere
   for (std::size_t i = first; i < pairs->size(); ++i) (*pairs)[i].weight *= weight / sum;
 }
 
-/// The rendered colours of a window, averaged over 3 x 3 pixels like the measured ones.
-class RenderedColors {
- public:
-  RenderedColors(const RecognitionModel& model, const DepthRasteriser& rendered)
-      : width_(rendered.window().width), means_(rendered.depth().size()) {
-    const int height = rendered.window().height;
-    std::vector<Eigen::Vector3f> colors(means_.size());
-    for (std::size_t i = 0; i < colors.size(); ++i) {
-      const int triangle = rendered.triangle()[i];
-      if (triangle < 0) continue;
-      colors[i] = geometry::ColorAt(model.mesh, triangle,
-                                    rendered.Weights(model.mesh, static_cast<int>(i)));
-    }
-    for (int y = 1; y + 1 < height; ++y) {
-      for (int x = 1; x + 1 < width_; ++x) {
-        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-        bool whole = true;
-        for (int dy = -1; dy <= 1; ++dy) {
-          for (int dx = -1; dx <= 1; ++dx) {
-            const std::size_t at = At(x + dx, y + dy);
-            whole = whole && rendered.triangle()[at] >= 0;
-            if (whole) sum += colors[at];
-          }
-        }
-        if (whole) means_[At(x, y)] = sum / 9.0F;
-      }
-    }
-  }
-
-  /// Empty where the model does not fill the 3 x 3 pixels.
-  const std::optional<Eigen::Vector3f>& Mean(int x, int y) const { return means_[At(x, y)]; }
-
- private:
-  std::size_t At(int x, int y) const { return static_cast<std::size_t>(y * width_ + x); }
-
-  int width_;
-  std::vector<std::optional<Eigen::Vector3f>> means_;
-};
-
 /// Pairs along the gradient of the rendered tones, three for each pixel that is not hidden.
 void AddColorPairs(const RecognitionModel& model, const View& view, const DepthRasteriser& rendered,
                    std::vector<PointPlanePair>* pairs) {
@@ -169,7 +130,7 @@ void AddColorPairs(const RecognitionModel& model, const View& view, const DepthR
   constexpr double kToneNoise = 0.5;
   if (view.color.empty()) return;
   const PixelRect& window = rendered.window();
-  const RenderedColors colors(model, rendered);
+  const RenderedColors colors(model.mesh, rendered);
   const int step = std::max(1, static_cast<int>(std::sqrt(window.area() / kPixels)));
   std::vector<ColorPair> seen;
   std::vector<cv::Point> pixels;

@@ -11,6 +11,9 @@ constexpr int kAxisSteps = 24;
 /// So near to a resting pose a model rests, and so much farther from it it does not.
 constexpr double kRest_rad = 0.09;
 constexpr double kOffRest_rad = 0.07;
+/// Sides of a box that differ by no more than this share are alike.
+constexpr double kAlikeSides = 0.2;
+constexpr double kNoTurn_rad = 0.3;
 
 /// The angle between two directions in M, up to the symmetry of shape [rad].
 double AngleUpToSymmetry(const Eigen::Vector3d& a_M, const Eigen::Vector3d& b_M,
@@ -67,6 +70,35 @@ std::vector<Pose> RivalTurns(const RecognitionModel& model, double angle) {
     if (!motion.keeps_color) turns.push_back(motion.X_MS);
   }
   std::erase_if(turns, [&](const Pose& turn) { return IsNoTurn(model, turn, angle); });
+  return turns;
+}
+
+std::vector<Pose> BoxTurns(const RecognitionModel& model) {
+  Eigen::AlignedBox3f box_M;
+  for (const Eigen::Vector3f& p_M : model.hull) box_M.extend(p_M);
+  const Eigen::Vector3d sides = box_M.sizes().cast<double>();
+  const Eigen::Vector3d middle_M = box_M.center().cast<double>();
+  std::vector<Pose> turns;
+  for (int x = 0; x < 6; ++x) {
+    for (int y = 0; y < 6; ++y) {
+      // The axes of M go to the axes x / 2 and y / 2, an odd number meaning backwards.
+      if (x / 2 == y / 2) continue;
+      const auto signed_axis = [](int i) -> Eigen::Vector3d {
+        return (i % 2 == 0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(i / 2);
+      };
+      Eigen::Matrix3d R;
+      R.col(0) = signed_axis(x);
+      R.col(1) = signed_axis(y);
+      R.col(2) = R.col(0).cross(R.col(1));
+      const Eigen::Vector3d turned = (R * sides).cwiseAbs();
+      if (((turned - sides).cwiseAbs().array() > kAlikeSides * sides.array()).any()) continue;
+      Pose X_MS = Pose::Identity();
+      X_MS.linear() = R;
+      X_MS.translation() = middle_M - R * middle_M;
+      turns.push_back(X_MS);
+    }
+  }
+  std::erase_if(turns, [&](const Pose& turn) { return IsNoTurn(model, turn, kNoTurn_rad); });
   return turns;
 }
 

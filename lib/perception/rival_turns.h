@@ -14,6 +14,11 @@ namespace secondlook::perception {
 /// out: nothing tells them apart, and nothing needs to.
 std::vector<Pose> RivalTurns(const RecognitionModel& model, double angle);
 
+/// The rotations of a box about its middle that take the box of `model` nearly into itself: at them
+/// a shape that is no symmetry may still be taken for itself (a brick with holes, laid on another
+/// side). Those that leave shape and colour unchanged are left out.
+std::vector<Pose> BoxTurns(const RecognitionModel& model);
+
 /// `share` of the turn X_MS about `center_M`; a negative share turns the other way.
 Pose ShareOfTurn(const Pose& X_MS, const Eigen::Vector3d& center_M, double share);
 

@@ -97,6 +97,32 @@ TEST_F(Recognising, IsUnsureOfBoxesWhosePrintIsTurnedAway) {
   EXPECT_THAT(Chosen(scene, Models(), &chosen), ::testing::HasSubstr("is not enough ahead of"));
 }
 
+TEST_F(Recognising, ReadsTheSideOnWhichANearlySquareBrickHasItsLabel) {
+  const std::vector<RecognitionModel> brick{
+      TrainModel(MakeBoxModel("brick", {0.06, 0.064, 0.16}, kWhite, kBlue))};
+  Rng rng(10);
+  for (const double yaw : {0.0, 0.5, -0.5}) {
+    const Pose X_WM = Upright(0.0, 0.0, yaw);
+    const SyntheticView scene = DrawView({{&brick[0], X_WM}}, -std::numbers::pi / 2, true, &rng);
+    world::Hypothesis chosen;
+    ASSERT_EQ(Chosen(scene, brick, &chosen), "brick") << "yaw " << yaw;
+    const PoseDistance d = DistanceUpToSymmetry(scene.X_WC.inverse() * X_WM, chosen.X_CM,
+                                                brick[0].symmetry, brick[0].center_M, true);
+    EXPECT_LT(d.rotation, 0.1) << "yaw " << yaw;
+  }
+}
+
+TEST_F(Recognising, IsUnsureOnWhichHiddenSideANearlySquareBrickHasItsLabel) {
+  const std::vector<RecognitionModel> brick{
+      TrainModel(MakeBoxModel("brick", {0.06, 0.064, 0.16}, kWhite, kBlue))};
+  Rng rng(11);
+  // Seen over an edge, two sides show and two are hidden; the label (-y) is turned away.
+  const SyntheticView scene = DrawView({{&brick[0], Upright(0.0, 0.0, std::numbers::pi / 4)}},
+                                       std::numbers::pi / 2, true, &rng);
+  world::Hypothesis chosen;
+  EXPECT_THAT(Chosen(scene, brick, &chosen), ::testing::HasSubstr("another pose of it"));
+}
+
 TEST_F(Recognising, FindsAnObjectHalfHiddenByAnother) {
   Rng rng(3);
   // Seen from azimuth 0, the box stands before one side of the L.
@@ -194,6 +220,9 @@ TEST(RecogniseConfig, NamesTheValueThatIsOutOfRange) {
   config.min_score = std::nan("");
   EXPECT_THROWS(config.Validate(), ConfigError, "min_score = nan must lie in 0..1");
   config = {};
+  config.tolerance_deg = 181;
+  EXPECT_THROWS(config.Validate(), ConfigError, "tolerance_deg = 181 must lie in 0..180");
+  config = {};
   config.verify.min_matching = 85;
   EXPECT_THROWS(config.Validate(), ConfigError, "min_matching = 85 must lie in 0..1");
 }
@@ -210,13 +239,35 @@ TEST_F(Recognising, TakesPosesThatNothingTellsApartForOne) {
            Eigen::Translation3d(-cube.center_M));
   world::Detection detection;
   detection.hypotheses = {one, turned};
-  // The corners of a cube of 5 cm move by 1 mm in 0.03 rad, and by 10 mm in 0.3 rad.
-  EXPECT_EQ(ChooseHypotheses({detection}, Models(), config_)[0].hypothesis, 0);
+  // The corners of a cube of 5 cm move by 1 mm in 0.03 rad, and by 14 mm in 0.4 rad.
+  RecogniseConfig config;
+  config.tolerance_m = 0.0;
+  EXPECT_EQ(ChooseHypotheses({detection}, Models(), config)[0].hypothesis, 0);
   detection.hypotheses[1].X_CM =
       Pose(Eigen::Translation3d(cube.center_M) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()) *
            Eigen::Translation3d(-cube.center_M));
   EXPECT_THAT(ChooseHypotheses({detection}, Models(), config_)[0].reason,
               ::testing::HasSubstr("is not enough ahead of another pose of it"));
+}
+
+TEST_F(Recognising, TakesPosesWithinTheToleranceForOneAnswer) {
+  const RecognitionModel& ell = Model("ell");
+  world::Hypothesis one;
+  one.model = "ell";
+  one.score = 0.99;
+  one.verification.accepted = true;
+  world::Detection detection;
+  detection.hypotheses = {one, one};
+  const auto chosen_beside = [&](double degrees, double metres) {
+    Pose& X_CM = detection.hypotheses[1].X_CM;
+    X_CM = Pose(Eigen::Translation3d(0.0, metres, 0.0)) *
+           TurnAbout({ell.center_M, Eigen::Vector3d::UnitZ()}, degrees * std::numbers::pi / 180.0);
+    return ChooseHypotheses({detection}, Models(), config_)[0].hypothesis;
+  };
+  EXPECT_EQ(chosen_beside(14.0, 0.0), 0);
+  EXPECT_EQ(chosen_beside(16.0, 0.0), -1);
+  EXPECT_EQ(chosen_beside(0.0, 0.029), 0);
+  EXPECT_EQ(chosen_beside(0.0, 0.031), -1);
 }
 
 TEST(ChooseHypotheses, TakesWhatIsAcceptedAndAheadOfEveryRival) {

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/perception/synthetic_view.h"
+
 namespace secondlook::perception {
 namespace {
 
@@ -44,6 +46,29 @@ TEST(RivalTurns, TurnsAPrintedCanAllTheWayRound) {
   });
   EXPECT_TRUE(half_turn);
   EXPECT_GE(turns.size(), 4U + 23U);
+}
+
+/// A box of `size` with a coloured plate on one side (-y).
+RecognitionModel Labelled(const Eigen::Vector3d& size) {
+  return TrainModel(MakeBoxModel("box", size, {0.9F, 0.9F, 0.9F}, {0.1F, 0.2F, 0.8F}));
+}
+
+TEST(BoxTurns, OfABoxWithALabelAreItsHalfTurnsThatMoveTheLabel) {
+  const std::vector<Pose> turns = BoxTurns(Labelled({0.08, 0.12, 0.2}));
+  ASSERT_EQ(turns.size(), 2U);  // about x and z; about y the label stays
+  for (const Pose& turn : turns) EXPECT_NEAR(turn.linear()(1, 1), -1.0, 1e-9);
+}
+
+TEST(BoxTurns, OfABrickThatIsNearlySquareAreItsQuarterTurnsToo) {
+  const std::vector<Pose> turns = BoxTurns(Labelled({0.06, 0.064, 0.2}));
+  // Of the eight turns of a square prism, two leave the label where it is.
+  ASSERT_EQ(turns.size(), 6U);
+  const Eigen::Vector3d middle_M(0.0, 0.0, 0.1);
+  for (const Pose& turn : turns) EXPECT_LT((turn * middle_M - middle_M).norm(), 0.002);
+}
+
+TEST(BoxTurns, OfAPlainBoxAreNone) {
+  EXPECT_TRUE(BoxTurns(Model(geometry::MakeBox({0.1, 0.15, 0.2}, {0.5F, 0.5F, 0.5F}))).empty());
 }
 
 TEST(ShareOfTurn, OfAHalfIsTheTurnWhenTakenTwiceAndKeepsTheCentre) {
