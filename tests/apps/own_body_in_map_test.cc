@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// The occupied voxels that a view of the robot's outstretched arm leaves near the arm, with all its
-/// noise.
+/// The occupied voxels that a view of the robot's outstretched arm leaves near the arm, with all
+/// its noise.
 class ViewOfTheArm {
  public:
   explicit ViewOfTheArm(bool know_the_arm) {
