@@ -29,6 +29,8 @@ struct UnderstandingConfig {
   double floor_clearance_m = 0.3;  ///< Support planes are higher above the floor than this.
   double footprint_cell_m = 0.01;  ///< Of the footprints by which views are matched.
   double footprint_overlap = 0.3;  ///< From which two footprints are one thing.
+  double match_sigmas = 3.37;      ///< Farther apart, by the errors of views, they are two.
+  double moved_within_m = 0.4;     ///< What is gone, and reappears so near, was moved.
   int min_leftover_points = 400;   ///< What known things leave of a cluster is something else.
   /// Of the pixels of verified objects in a view; more, and its registration is not believed.
   double max_see_through = 0.25;
@@ -45,6 +47,8 @@ struct UnderstandingConfig {
     a->Visit("floor_clearance_m", &floor_clearance_m);
     a->Visit("footprint_cell_m", &footprint_cell_m);
     a->Visit("footprint_overlap", &footprint_overlap);
+    a->Visit("match_sigmas", &match_sigmas);
+    a->Visit("moved_within_m", &moved_within_m);
     a->Visit("min_leftover_points", &min_leftover_points);
     a->Visit("max_see_through", &max_see_through);
     a->Visit("clear_view_points", &clear_view_points);
@@ -57,6 +61,8 @@ struct UnderstandingConfig {
     RequireAtLeast("floor_clearance_m", floor_clearance_m, 0);
     RequireAtLeast("footprint_cell_m", footprint_cell_m, 0.001);
     RequireAtLeast("footprint_overlap", footprint_overlap, 0);
+    RequireAtLeast("match_sigmas", match_sigmas, 0.1);
+    RequireAtLeast("moved_within_m", moved_within_m, 0);
     RequireAtLeast("min_leftover_points", min_leftover_points, 0);
     RequireAtLeast("clear_view_points", clear_view_points, 0);
   }

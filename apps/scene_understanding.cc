@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "lib/fusion/match.h"
@@ -119,7 +120,8 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
 
   const int view = static_cast<int>(belief_.views.size());
   for (const int id : gone) Unlearn(view, &belief_.objects[id]);
-  Matched matched = MatchClusters(std::move(cut.clusters), frame.depth, capture.camera, X_WC);
+  Matched matched =
+      MatchClusters(std::move(cut.clusters), frame.depth, capture.camera, registration);
   std::vector<world::Detection> detections =
       Recognise(perception::MakeView(frame.color, frame.depth, capture.camera, *cut.plane_C, {},
                                      cut.FurtherPlanes()),
@@ -140,6 +142,7 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
     Conclude(&object);
   }
   MergeDuplicates();
+  FollowMoved();
   PlaceVerified();
   return "";
 }
@@ -229,8 +232,55 @@ void SceneUnderstanding::Unlearn(int view, ObjectBelief* object) {
   space_.TakeAway(object->id);
   space_.RemoveRegion(box_W);
   unlearned_.push_back({view, box_W});
+  if (object->state == ObjectState::kVerified) {
+    const PoseHypothesis& best = *object->Best();
+    gone_.push_back({object->id, view, best.model, best.X_WM * ModelOf(best.model).center_M});
+  }
   object->state = ObjectState::kRejected;
   object->reason = fmt::format("is gone from its place: view {} sees through it", view);
+}
+
+/// A thing that is verified, where nothing like it was before, may be one that is gone from its
+/// place: the nearest of its model within reach. It is that object then, moved; the others stay
+/// gone.
+void SceneUnderstanding::FollowMoved() {
+  for (ObjectBelief& found : belief_.objects) {
+    if (found.state != ObjectState::kVerified) continue;
+    const PoseHypothesis& best = *found.Best();
+    const Vector3d center_W = best.X_WM * ModelOf(best.model).center_M;
+    const auto distance = [&](const GoneThing& gone) {
+      const bool may_be = gone.model == best.model && gone.view <= found.sightings.front().view;
+      return may_be ? (gone.center_W - center_W).norm() : std::numeric_limits<double>::infinity();
+    };
+    const auto nearest = std::min_element(
+        gone_.begin(), gone_.end(),
+        [&](const GoneThing& a, const GoneThing& b) { return distance(a) < distance(b); });
+    if (nearest == gone_.end() || std::isinf(distance(*nearest))) continue;
+    const double moved = distance(*nearest);
+    if (moved > config_.moved_within_m) {
+      const std::string why = fmt::format(
+          "; is new: the '{}' that is gone stood {:.2f} m away (moved is what reappears within "
+          "{:.2f})",
+          best.model, moved, config_.moved_within_m);
+      if (found.reason.find("; is new") == std::string::npos) found.reason += why;
+      continue;
+    }
+    ObjectBelief& same = belief_.objects[nearest->id];
+    const int old_id = found.id;
+    const int looks_taken = same.looks_taken + found.looks_taken;
+    same = std::move(found);
+    same.id = nearest->id;
+    same.looks_taken = looks_taken;
+    same.history = fmt::format("was moved by {:.2f} m before view {}", moved, nearest->view);
+    same.reason += "; " + same.history;
+    if (const auto modelled = modelled_W_.extract(old_id)) modelled_W_[same.id] = modelled.mapped();
+    space_.TakeAway(old_id);
+    found = {};
+    found.id = old_id;
+    found.state = ObjectState::kRejected;
+    found.reason = fmt::format("is object {}, moved", same.id);
+    gone_.erase(nearest);
+  }
 }
 
 /// Why the view cannot have been taken from X_WC: it would see through what is verified and not
@@ -301,10 +351,23 @@ void SceneUnderstanding::GrowFurther(const std::vector<perception::FurtherSuppor
   }
 }
 
-SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world::Cluster> clusters,
-                                                              const cv::Mat& depth,
-                                                              const hal::CameraModel& camera,
-                                                              const Pose& X_WC) {
+/// The covariance of where a view's points lie in the map [m^2]: by its registration, at the middle
+/// of the table, and by the map's own error.
+Eigen::Matrix3d SceneUnderstanding::ErrorOf(
+    const perception::ViewRegistration& registration) const {
+  const Vector3d table_W =
+      belief_.plane_W
+          ? Vector3d((belief_.plane_W->corners_A[0] + belief_.plane_W->corners_A[2]) / 2.0)
+          : registration.X_WC.translation();
+  return fusion::PointCovariance(registration.covariance,
+                                 table_W - registration.X_WC.translation()) +
+         kModelSigma_m * kModelSigma_m * Eigen::Matrix3d::Identity();
+}
+
+SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(
+    std::vector<world::Cluster> clusters, const cv::Mat& depth, const hal::CameraModel& camera,
+    const perception::ViewRegistration& registration) {
+  const Pose& X_WC = registration.X_WC;
   Matched matched;
   std::vector<world::Cluster> explained;
   std::vector<int> explained_by;  // ids
@@ -325,16 +388,17 @@ SceneUnderstanding::Matched SceneUnderstanding::MatchClusters(std::vector<world:
     explained_by.push_back(object.id);
   }
 
-  std::vector<fusion::Footprint> detections;
+  std::vector<fusion::Seen> detections;
   for (const world::Cluster& cluster : clusters) {
     detections.emplace_back(InWorld(X_WC, cluster.points_C), config_.footprint_cell_m);
   }
-  std::vector<fusion::Footprint> objects;
+  std::vector<fusion::Seen> objects;
   for (const int id : open) {
     objects.emplace_back(belief_.objects[id].points_W, config_.footprint_cell_m);
   }
-  for (const fusion::Match& match :
-       fusion::MatchByFootprint(detections, objects, config_.footprint_overlap)) {
+  const fusion::MatchGate gate{config_.footprint_overlap, config_.match_sigmas,
+                               ErrorOf(registration)};
+  for (const fusion::Match& match : fusion::MatchSeen(detections, objects, gate)) {
     if (match.detections.empty()) continue;  // not seen this time
     std::vector<int> pixels;
     for (const int d : match.detections) pixels = UnionOfPixels(pixels, clusters[d].pixels);
@@ -554,8 +618,13 @@ void SceneUnderstanding::AddSighting(int view, int detection, ObjectBelief* obje
 /// Concludes what the object is; views are registered to the whole model of what is verified.
 void SceneUnderstanding::Conclude(ObjectBelief* object) {
   Verification().Conclude(object);
-  if (object->state == ObjectState::kVerified && modelled_W_.contains(object->id)) return;
-  if (object->state == ObjectState::kVerified) Verification().ExamineTurns(object);
+  const bool stands_already =
+      object->state == ObjectState::kVerified && modelled_W_.contains(object->id);
+  if (object->state == ObjectState::kVerified && !stands_already) {
+    Verification().ExamineTurns(object);
+  }
+  if (!object->history.empty()) object->reason += "; " + object->history;
+  if (stands_already) return;
   TakeOutOfReference(object->id);
   if (object->state != ObjectState::kVerified) return;
   const PoseHypothesis& best = *object->Best();

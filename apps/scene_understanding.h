@@ -22,7 +22,8 @@ namespace secondlook::apps {
 ///
 /// Every hypothesis is asked of every view that shows its object, whichever view it was born in; so
 /// what is believed does not depend on the order of the views, only on which there were. What a
-/// view sees through is gone from its place, and what stands elsewhere then is another object.
+/// view sees through is gone from its place; what is verified elsewhere then is the same object,
+/// moved, when its model is the same and it is near, else another.
 class SceneUnderstanding {
  public:
   SceneUnderstanding(const UnderstandingConfig& config, const world::Task& task,
@@ -63,6 +64,14 @@ class SceneUnderstanding {
     Eigen::AlignedBox3d box_W;
   };
 
+  /// A verified thing that is no longer where it stood.
+  struct GoneThing {
+    int id{};
+    int view{};  // that sees through it
+    std::string model;
+    Eigen::Vector3d center_W;
+  };
+
   perception::ViewRegistration Register(const std::vector<perception::SurfacePoint>& points_C,
                                         const Capture& capture) const;
   std::vector<int> Gone(const Capture& capture, const Pose& X_WC) const;
@@ -73,7 +82,10 @@ class SceneUnderstanding {
                  const world::SupportPlane& plane_C, const Pose& X_WC);
   void GrowFurther(const std::vector<perception::FurtherSupport>& further, const Pose& X_WC);
   Matched MatchClusters(std::vector<world::Cluster> clusters, const cv::Mat& depth,
-                        const hal::CameraModel& camera, const Pose& X_WC);
+                        const hal::CameraModel& camera,
+                        const perception::ViewRegistration& registration);
+  Eigen::Matrix3d ErrorOf(const perception::ViewRegistration& registration) const;
+  void FollowMoved();
   bool AreOneModel(const world::ObjectBelief& a, const world::ObjectBelief& b) const;
   bool IsPartOf(const world::ObjectBelief& object, const world::ObjectBelief& whole) const;
   void MergeDuplicates();
@@ -98,6 +110,7 @@ class SceneUnderstanding {
   perception::ReferenceCloud reference_;
   std::map<int, Eigen::AlignedBox3d> modelled_W_;  // what stands in it as whole models, by object
   std::vector<Unlearned> unlearned_;               // in the order of the views
+  std::vector<GoneThing> gone_;                    // and not found again
   std::vector<Eigen::Vector3d> plane_points_W_;
   std::vector<std::vector<Eigen::Vector3d>> further_points_W_;  // by plane of belief_.further_W
   std::vector<perception::View> views_;  // as recognition looks at belief_.views

@@ -52,6 +52,7 @@ struct ObjectBelief {
   int id{};
   ObjectState state{ObjectState::kCandidate};
   std::string reason;                      ///< Why it is in that state, or what is still open.
+  std::string history;                     ///< Where it was moved; empty: it was not.
   std::vector<Eigen::Vector3d> points_W;   ///< Its surface as seen so far, thinned [m].
   Eigen::AlignedBox3d extent_W;            ///< Of those points [m].
   MassFunction masses;                     ///< Over the classes, fused over the views.

@@ -153,6 +153,10 @@ TEST_F(BadInput, NamesValuesThatNoMissionCanWorkWith) {
          "depth_stride = 0 must be at least 1");
   Expect(Run({"--set", "mission.understanding.footprint_cell_m=0"}), 2,
          "footprint_cell_m = 0 must be at least 0.001");
+  Expect(Run({"--set", "mission.understanding.match_sigmas=0"}), 2,
+         "match_sigmas = 0 must be at least 0.1");
+  Expect(Run({"--set", "mission.understanding.moved_within_m=-1"}), 2,
+         "moved_within_m = -1 must be at least 0");
   Expect(Run({"--set", "seed"}), 2, "--set seed: must be KEY=VALUE, e.g. --set seed=7");
 }
 

@@ -147,7 +147,7 @@ TEST(SceneUnderstanding, TellsThingsApartInTheViewsFromBeforeTheirModelWasKnown)
   }
 }
 
-TEST(SceneUnderstanding, UnlearnsThePlaceOfWhatWasMovedBetweenLooks) {
+TEST(SceneUnderstanding, KeepsTheIdentityOfWhatWasMovedBetweenLooks) {
   const std::vector<std::string> names{"tea_box", "mug", "soup_can"};
   Table before({Known("tea_box", -0.2, 0.0, 20.0), Known("mug", 0.15, 0.15, 0.0),
                 Known("soup_can", 0.2, -0.15, 0.0)});
@@ -164,18 +164,44 @@ TEST(SceneUnderstanding, UnlearnsThePlaceOfWhatWasMovedBetweenLooks) {
   for (const double azimuth : {30.0, 120.0, 240.0}) {
     ASSERT_EQ(understanding.Add(after.From(azimuth)), "");
   }
-  const ObjectBelief& moved = understanding.belief().objects[id];
-  EXPECT_EQ(moved.state, ObjectState::kRejected);
-  EXPECT_EQ(moved.reason, "is gone from its place: view 3 sees through it");
   EXPECT_NE(understanding.space().At(before.CenterOf(0)), world::Occupancy::kOccupied);
   const auto boxes = Verified(understanding, "tea_box");
   ASSERT_EQ(boxes.size(), 1U);
-  EXPECT_NE(boxes[0]->id, id) << "it is declared new";
+  EXPECT_EQ(boxes[0]->id, id);
+  EXPECT_THAT(boxes[0]->reason, HasSubstr("; was moved by 0.25 m before view 3"));  // 0.18 sqrt(2)
   EXPECT_LT(DistanceTo(after.CenterOf(0), *boxes[0], "tea_box"), 0.01);
   EXPECT_EQ(understanding.space().At(after.CenterOf(0)), world::Occupancy::kOccupied);
   for (const char* still : {"mug", "soup_can"}) {
     EXPECT_EQ(Verified(understanding, still).size(), 1U) << still;
   }
+}
+
+TEST(SceneUnderstanding, DeclaresNewWhatStandsFarFromAnyThatIsGone) {
+  const std::vector<std::string> names{"tea_box", "mug", "soup_can"};
+  const auto with_box = [&](double x, double y) {
+    return Table({Known("tea_box", x, y, 20.0), Known("mug", 0.15, 0.15, 0.0),
+                  Known("soup_can", 0.2, -0.15, 0.0)});
+  };
+  Table before = with_box(-0.25, -0.1);
+  Table after = with_box(-0.25, 0.15);
+  UnderstandingConfig config;
+  config.moved_within_m = 0.2;
+  SceneUnderstanding understanding(config, {}, Shipped(names));
+  for (const double azimuth : {0.0, 80.0, 200.0}) {
+    ASSERT_EQ(understanding.Add(before.From(azimuth)), "");
+  }
+  ASSERT_EQ(Verified(understanding, "tea_box").size(), 1U);
+  const int id = Verified(understanding, "tea_box")[0]->id;
+  for (const double azimuth : {30.0, 120.0, 240.0}) {
+    ASSERT_EQ(understanding.Add(after.From(azimuth)), "");
+  }
+  EXPECT_EQ(understanding.belief().objects[id].state, ObjectState::kRejected);
+  EXPECT_EQ(understanding.belief().objects[id].reason,
+            "is gone from its place: view 3 sees through it");
+  const auto boxes = Verified(understanding, "tea_box");
+  ASSERT_EQ(boxes.size(), 1U);
+  EXPECT_NE(boxes[0]->id, id);
+  EXPECT_THAT(boxes[0]->reason, HasSubstr("is new: the 'tea_box' that is gone stood 0.25 m away"));
 }
 
 TEST(SceneUnderstanding, BelievesNoViewThatSeesThroughMostOfWhatStandsThere) {
