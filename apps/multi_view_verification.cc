@@ -41,6 +41,15 @@ constexpr double kSameSide_rad = 0.5;
 /// So many points of a model are looked up in the map.
 constexpr std::size_t kMapPoints = 500;
 
+/// The covariance of a motion given in M, in W.
+Eigen::Matrix<double, 6, 6> InWorld(const Eigen::Matrix<double, 6, 6>& covariance_M,
+                                    const Eigen::Matrix3d& R_WM) {
+  Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
+  turn.topLeftCorner<3, 3>() = R_WM;
+  turn.bottomRightCorner<3, 3>() = R_WM;
+  return turn * covariance_M * turn.transpose();
+}
+
 /// The sighting of `object` in `view`. @pre there is one.
 const world::Sighting& SightingIn(const ObjectBelief& object, int view) {
   return *std::find_if(object.sightings.begin(), object.sightings.end(),
@@ -126,27 +135,42 @@ PoseHypothesis MultiViewVerification::Turned(const ObjectBelief& object, const P
   return turned;
 }
 
-/// `best` refined in all its views together, colour included; empty when that fits worse or is
-/// another pose.
+/// `best` refined in all its views together, colour included; empty when the views prefer it as it
+/// was, or it becomes another pose.
 std::optional<PoseHypothesis> MultiViewVerification::RefinedTogether(const ObjectBelief& object,
                                                                      const PoseHypothesis& best) {
+  const perception::RecognitionModel& model = ModelOf(best.model);
   std::vector<perception::PlacedModel> placed;
   for (const world::ViewEvidence& e : best.evidence) {
-    placed.push_back({&views_[e.view], SightingIn(object, e.view).detection, e.hypothesis.X_CM});
+    placed.push_back({&views_[e.view], SightingIn(object, e.view).detection,
+                      belief_.views[e.view].X_WC.inverse() * best.X_WM});
   }
-  const perception::RecognitionModel& model = ModelOf(best.model);
-  const Pose X_MS =
-      perception::RefineTogether(model, std::move(placed), kRefineRounds, &rasteriser_);
-  const Eigen::Vector3d moved_M = X_MS * model.center_M - model.center_M;
+  const perception::JointPose joint = perception::RefineTogether(
+      model, placed, {kViewSigma_rad, kViewSigma_m}, kRefineRounds, &rasteriser_);
+  PoseHypothesis refined = best;
+  refined.X_WM = best.X_WM * joint.X_MS;
+  const perception::PoseDistance moved = perception::DistanceUpToSymmetry(
+      best.X_WM, refined.X_WM, model.symmetry, model.center_M, true);
   const bool another_pose =
-      moved_M.norm() > kMaxRefinement_m ||
-      RotationDistance(Eigen::Matrix3d::Identity(), X_MS.linear()) > kMaxRefinement_rad ||
-      perception::LeavesItsRest(model, best.X_WM, X_MS, belief_.plane_W->normal_A);
+      moved.translation > kOnePose_m || moved.rotation > kMaxRefinement_rad ||
+      perception::LeavesItsRest(model, best.X_WM, joint.X_MS, belief_.plane_W->normal_A);
   if (another_pose) return std::nullopt;
-  PoseHypothesis refined = Turned(object, best, X_MS);
-  if (fusion::Lead(config_.conclude, best, refined) > 0.0) return std::nullopt;
-  FusePose(&refined);
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    refined.evidence[i] = Ask(SightingIn(object, best.evidence[i].view), model, joint.X_CM[i]);
+  }
+  if (fusion::Lead(config_.conclude, best, refined) > config_.conclude.min_near_lead) {
+    return std::nullopt;
+  }
+  refined.covariance = InWorld(joint.covariance, refined.X_WM.linear());
+  refined.likely_free = LikelyFreeShare(refined);
   return refined;
+}
+
+void MultiViewVerification::Refine(ObjectBelief* object) {
+  PoseHypothesis& best = object->hypotheses.front();
+  if (std::optional<PoseHypothesis> refined = RefinedTogether(*object, best)) {
+    best = *std::move(refined);
+  }
 }
 
 /// Where between `best` turned a little by X_MS and turned back by as much the views' preference is
@@ -176,10 +200,8 @@ void MultiViewVerification::ExamineTurns(ObjectBelief* object) {
   const perception::RecognitionModel& model = ModelOf(object->Best()->model);
   const std::vector<Pose> turns = perception::RivalTurns(model, kRivalTurn_rad);
   for (int round = 0; round < kMaxTurnRounds; ++round) {
+    Refine(object);
     PoseHypothesis& best = object->hypotheses.front();
-    if (std::optional<PoseHypothesis> refined = RefinedTogether(*object, best)) {
-      best = *std::move(refined);
-    }
     PoseHypothesis rival;
     Pose X_MS{Pose::Identity()};
     double rival_margin = 0.0;  // how much of the lead it needs `best` lacks over it

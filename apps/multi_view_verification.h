@@ -35,6 +35,10 @@ class MultiViewVerification {
   /// What the object is believed to be, from the evidence as it is.
   void Conclude(world::ObjectBelief* object) const;
 
+  /// Refines the pose of a verified object in all its views together; it stays where they prefer it
+  /// as it is.
+  void Refine(world::ObjectBelief* object);
+
   /// Is the pose of a verified object held by what was seen? Turned a little, or to where its shape
   /// is the same, it must fit worse in the views together. A turn that fits better takes its place,
   /// one that fits nearly as well moves it to where it is as far ahead on either side; what then

@@ -624,7 +624,10 @@ void SceneUnderstanding::Conclude(ObjectBelief* object) {
     Verification().ExamineTurns(object);
   }
   if (!object->history.empty()) object->reason += "; " + object->history;
-  if (stands_already) return;
+  if (stands_already) {
+    Verification().Refine(object);
+    return;
+  }
   TakeOutOfReference(object->id);
   if (object->state != ObjectState::kVerified) return;
   const PoseHypothesis& best = *object->Best();

@@ -15,4 +15,10 @@ namespace secondlook::perception {
 void AddContact(const RecognitionModel& model, const Pose& X_CM, const world::SupportPlane& plane_C,
                 double weight, std::vector<geometry::PointPlanePair>* pairs);
 
+/// As AddContact(), but the same points are all to be moved by what the lowest stands too high or
+/// too deep: that holds the height and leaves the tilt to what is measured.
+void AddContactHeight(const RecognitionModel& model, const Pose& X_CM,
+                      const world::SupportPlane& plane_C, double weight,
+                      std::vector<geometry::PointPlanePair>* pairs);
+
 }  // namespace secondlook::perception

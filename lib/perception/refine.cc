@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
 
 #include "lib/geometry/point_to_plane.h"
@@ -18,13 +20,11 @@ namespace {
 using geometry::DepthRasteriser;
 using geometry::PixelRect;
 using geometry::PointPlanePair;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kSurfacePairs = 500.0;
 constexpr double kOutlinePixels = 8.0;  // how far an outline is drawn [px]
-/// What contact weighs, of all surface pairs: in one view, and in several, whose colours outweigh
-/// the surface.
-constexpr double kContactShare = 0.1;
-constexpr double kJointContactShare = 1.0;
 
 double Cauchy(double residual, double scale) {
   const double e = residual / scale;
@@ -128,6 +128,7 @@ void AddColorPairs(const RecognitionModel& model, const View& view, const DepthR
                    std::vector<PointPlanePair>* pairs) {
   constexpr double kPixels = 2500.0;
   constexpr double kToneNoise = 0.5;
+  constexpr double kAlikeShare = 0.2;  // prints err alike over more pixels than depth does
   if (view.color.empty()) return;
   const PixelRect& window = rendered.window();
   const RenderedColors colors(model.mesh, rendered);
@@ -170,20 +171,79 @@ void AddColorPairs(const RecognitionModel& model, const View& view, const DepthR
       const double difference = differences[i][tone];
       const double share = steepness * depth_noise / kToneNoise;
       pairs->push_back({ray * z, ray * z - direction * (difference / steepness), direction,
-                        share * share * Cauchy(difference, kToneNoise)});
+                        kAlikeShare * share * share * Cauchy(difference, kToneNoise)});
     }
   }
 }
 
-/// All that holds the model at X_CM in a view; depth, outline and contact in the proportions of
-/// RefinePose().
-void AddPairs(const RecognitionModel& model, const Pose& X_CM, const View& view, int label,
-              const DepthRasteriser& rendered, double contact_share,
-              std::vector<PointPlanePair>* pairs) {
+/// Depth and outline, in the proportions of RefinePose(). Returns what contact weighs beside them.
+double AddShapePairs(const RecognitionModel& model, const View& view, int label,
+                     const DepthRasteriser& rendered, std::vector<PointPlanePair>* pairs) {
   AddSurfacePairs(model, view, label, rendered, pairs);
   const auto surface = static_cast<double>(pairs->size());
   AddOutlinePairs(view, label, rendered, 0.3 * surface, pairs);
-  AddContact(model, X_CM, view.PlaneUnder(X_CM * model.center_M), contact_share * surface, pairs);
+  return 0.1 * surface;
+}
+
+/// What holds a model in a view, linearised: of (rotation vector [rad], translation [m]) of its
+/// centre, in M.
+struct NormalEquations {
+  Matrix6 information{Matrix6::Zero()};
+  Vector6 right_side{Vector6::Zero()};
+};
+
+NormalEquations Linearise(const RecognitionModel& model, const Pose& X_CM, const View& view,
+                          int label, DepthRasteriser* rasteriser) {
+  NormalEquations equations;
+  const PixelRect window = geometry::ImageBounds(model.mesh, X_CM, view.camera, 6);
+  if (window.empty()) return equations;
+  rasteriser->Render(model.mesh, X_CM, view.camera, window);
+  std::vector<PointPlanePair> pairs_C;
+  const double contact = AddShapePairs(model, view, label, *rasteriser, &pairs_C);
+  // Not everything stands on what is flat; the views together know its tilt.
+  AddContactHeight(model, X_CM, view.PlaneUnder(X_CM * model.center_M), contact, &pairs_C);
+  AddColorPairs(model, view, *rasteriser, &pairs_C);
+  const Pose X_MC = X_CM.inverse();
+  for (const PointPlanePair& pair : pairs_C) {
+    const Eigen::Vector3d normal = X_MC.linear() * pair.normal_A;
+    Vector6 slope;
+    slope << (X_MC * pair.p_AP - model.center_M).cross(normal), normal;
+    equations.information += pair.weight * slope * slope.transpose();
+    equations.right_side += pair.weight * pair.normal_A.dot(pair.p_AQ - pair.p_AP) * slope;
+  }
+  // Neighbouring measurements err alike: so many count as one.
+  constexpr double kAlike = 10.0;
+  const double sigma = geometry::DepthSigma((X_CM * model.center_M).z()) + 0.002;
+  equations.information /= kAlike * sigma * sigma;
+  equations.right_side /= kAlike * sigma * sigma;
+  return equations;
+}
+
+/// So far a step goes where nothing holds it.
+Matrix6 Damping() {
+  constexpr double kTurn = 0.03;    // [rad]
+  constexpr double kShift = 0.003;  // [m]
+  Vector6 damping;
+  damping << Eigen::Vector3d::Constant(1.0 / (kTurn * kTurn)),
+      Eigen::Vector3d::Constant(1.0 / (kShift * kShift));
+  return damping.asDiagonal();
+}
+
+/// The motion of M that turns and shifts it at its point `center_M`.
+Pose MotionAbout(const Eigen::Vector3d& center_M, const Vector6& motion) {
+  Pose X = Pose::Identity();
+  X.linear() = RotationFromVector(motion.head<3>());
+  X.translation() = center_M + motion.tail<3>() - X.linear() * center_M;
+  return X;
+}
+
+/// The covariance of the origin's motion from that of the motion at `center_M`.
+Matrix6 ToOrigin(const Matrix6& covariance, const Eigen::Vector3d& center_M) {
+  Matrix6 lever = Matrix6::Identity();
+  lever.bottomLeftCorner<3, 3>() << 0.0, -center_M.z(), center_M.y(),  //
+      center_M.z(), 0.0, -center_M.x(),                                //
+      -center_M.y(), center_M.x(), 0.0;
+  return lever * covariance * lever.transpose();
 }
 
 }  // namespace
@@ -196,36 +256,46 @@ Pose RefinePose(const RecognitionModel& model, Pose X_CM, const View& view, int 
     if (window.empty()) return X_CM;
     rasteriser->Render(model.mesh, X_CM, view.camera, window);
     pairs.clear();
-    AddPairs(model, X_CM, view, label, *rasteriser, kContactShare, &pairs);
+    const double contact = AddShapePairs(model, view, label, *rasteriser, &pairs);
+    AddContact(model, X_CM, view.PlaneUnder(X_CM * model.center_M), contact, &pairs);
     X_CM = geometry::SolvePointToPlane(pairs).X * X_CM;
   }
   return X_CM;
 }
 
-Pose RefineTogether(const RecognitionModel& model, std::vector<PlacedModel> placed, int rounds,
-                    DepthRasteriser* rasteriser) {
-  Pose X_MS = Pose::Identity();
-  std::vector<PointPlanePair> pairs_C;
-  std::vector<PointPlanePair> pairs_M;
+JointPose RefineTogether(const RecognitionModel& model, const std::vector<PlacedModel>& placed,
+                         const RegistrationSigma& registration, int rounds,
+                         DepthRasteriser* rasteriser) {
+  Vector6 free_variance;  // of a view against the others
+  free_variance << Eigen::Vector3d::Constant(std::pow(registration.rotation, 2)),
+      Eigen::Vector3d::Constant(std::pow(registration.translation, 2));
+  JointPose joint;
+  std::vector<NormalEquations> views;
+  Matrix6 information = Matrix6::Zero();
+  Vector6 step = Vector6::Zero();
   for (int round = 0; round < rounds; ++round) {
-    pairs_M.clear();
+    views.clear();
+    information.setZero();
+    Vector6 right_side = Vector6::Zero();
     for (const PlacedModel& p : placed) {
-      const Pose X_CM = p.X_CM * X_MS;
-      const PixelRect window = geometry::ImageBounds(model.mesh, X_CM, p.view->camera, 6);
-      if (window.empty()) continue;
-      rasteriser->Render(model.mesh, X_CM, p.view->camera, window);
-      pairs_C.clear();
-      AddPairs(model, X_CM, *p.view, p.label, *rasteriser, kJointContactShare, &pairs_C);
-      AddColorPairs(model, *p.view, *rasteriser, &pairs_C);
-      const Pose X_MC = X_CM.inverse();
-      for (const PointPlanePair& pair : pairs_C) {
-        pairs_M.push_back(
-            {X_MC * pair.p_AP, X_MC * pair.p_AQ, X_MC.linear() * pair.normal_A, pair.weight});
-      }
+      views.push_back(Linearise(model, p.X_CM * joint.X_MS, *p.view, p.label, rasteriser));
+      // With the motion of the view's own taken out (the Schur complement).
+      const Matrix6 share =
+          (Matrix6::Identity() + views.back().information * free_variance.asDiagonal()).inverse();
+      information += share * views.back().information;
+      right_side += share * views.back().right_side;
     }
-    X_MS = X_MS * geometry::SolvePointToPlane(pairs_M).X;
+    step = (information + Damping()).ldlt().solve(right_side);
+    joint.X_MS = joint.X_MS * MotionAbout(model.center_M, step);
   }
-  return X_MS;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const Matrix6 own = views[i].information + Matrix6(free_variance.cwiseInverse().asDiagonal());
+    const Vector6 left = views[i].right_side - views[i].information * step;
+    joint.X_CM.push_back(placed[i].X_CM * joint.X_MS *
+                         MotionAbout(model.center_M, own.ldlt().solve(left)));
+  }
+  joint.covariance = ToOrigin((information + Damping()).inverse(), model.center_M);
+  return joint;
 }
 
 }  // namespace secondlook::perception

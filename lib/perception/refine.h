@@ -23,15 +23,34 @@ Pose RefinePose(const RecognitionModel& model, Pose X_CM, const View& view, int 
 struct PlacedModel {
   const View* view{};
   int label{};  ///< Of its cluster.
-  Pose X_CM;
+  Pose X_CM;    ///< By a pose common to all views and the registration of this one.
+};
+
+/// How well views are registered to each other, where they see the model: standard deviations.
+struct RegistrationSigma {
+  double rotation{};     ///< [rad]
+  double translation{};  ///< [m]
+};
+
+/// A pose that several views agree on.
+struct JointPose {
+  Pose X_MS{Pose::Identity()};  ///< In common: the model is at X_CM * X_MS.
+  /// Where each view itself has it, by what its registration may err: about X_CM * X_MS.
+  std::vector<Pose> X_CM;
+  /// Of (rotation vector [rad], translation [m]) of the model's origin, in M.
+  Eigen::Matrix<double, 6, 6> covariance;
 };
 
 /// Refines one model in several views at once: `rounds` Gauss-Newton steps of a motion of M that is
-/// common to all views, so that each keeps its own error of registration. What RefinePose() brings
-/// to where it was measured counts, and colour: the tones of what is rendered are brought onto
-/// those of the picture along their gradient, as in direct image alignment (Lucas and Kanade 1981).
-/// That turns a model whose shape does not tell. Returns X_MS: the model is at X_CM * X_MS.
-Pose RefineTogether(const RecognitionModel& model, std::vector<PlacedModel> placed, int rounds,
-                    geometry::DepthRasteriser* rasteriser);
+/// common to all views. What RefinePose() brings to where it was measured counts, but that contact
+/// holds the height alone; and colour: the tones of what is rendered are brought onto those of the
+/// picture along their gradient, as in direct image alignment (Lucas and Kanade 1981). That turns a
+/// model whose shape does not tell. A view counts in each direction by how well it holds it, and by
+/// no more than `registration` allows: so the mean of the views decides what all of them hold, and
+/// the one that shows the print what the others don't. @pre `placed` is not empty, `registration`
+/// and `rounds` are positive.
+JointPose RefineTogether(const RecognitionModel& model, const std::vector<PlacedModel>& placed,
+                         const RegistrationSigma& registration, int rounds,
+                         geometry::DepthRasteriser* rasteriser);
 
 }  // namespace secondlook::perception
