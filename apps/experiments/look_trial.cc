@@ -88,7 +88,13 @@ Finding LookTrial::Judge(const Knowledge& knowledge) const {
   Finding finding;
   finding.reason = knowledge.vain;
   const ObjectBelief* belief = Target(knowledge);
-  if (belief == nullptr) return finding;
+  if (belief == nullptr) {
+    finding.reason += " nothing is believed to stand there";
+    for (const ObjectBelief& other : knowledge.scene.belief().objects) {
+      finding.reason += fmt::format("; object {}: {}", other.id, other.reason);
+    }
+    return finding;
+  }
   if (finding.reason.empty()) finding.reason = belief->reason;
   for (const auto& [name, mass] : belief->masses.singletons) {
     finding.beliefs[name] = fusion::NormalisedBelief(belief->masses, name);
@@ -171,7 +177,12 @@ const ObjectBelief* LookTrial::Target(const Knowledge& knowledge) const {
     const int view = belief.sightings.back().view;
     const Pose X_BelievedW =
         knowledge.scene.belief().views[view].X_WC * knowledge.true_X_WC[view].inverse();
-    const double distance = (belief.extent_W.center() - X_BelievedW * p_WO).norm();
+    double distance = (belief.extent_W.center() - X_BelievedW * p_WO).norm();
+    const world::PoseHypothesis* best = belief.Best();
+    if (best != nullptr && best->model == object().name) {  // what was seen may be one end of it
+      const Vector3d center_M = geometry::Bounds(object().mesh).center();
+      distance = std::min(distance, (best->X_WM * center_M - X_BelievedW * p_WO).norm());
+    }
     if (distance >= least) continue;
     least = distance;
     nearest = &belief;

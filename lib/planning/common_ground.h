@@ -21,8 +21,8 @@ class CommonGround {
   /// counted: of a thing by itself, a view from behind shares nothing with one from the front.
   double Pairs(const Pose& X_WC, const hal::CameraInfo& camera) const;
 
-  /// The chance that the view can be registered: 1 with as many pairs as registration wants, less in
-  /// proportion.
+  /// The chance that the view can be registered: 1 with as many pairs as registration wants, less
+  /// in proportion.
   double Chance(const Pose& X_WC, const hal::CameraInfo& camera) const;
 
  private:
