@@ -10,8 +10,8 @@ namespace {
 
 using geometry::PointPlanePair;
 
-/// A brick of 60 x 40 x 20 mm, tilted by a twentieth of a radian about y, that is lifted by 5 mm off
-/// the plane z = 0.
+/// A brick of 60 x 40 x 20 mm, tilted by a twentieth of a radian about y, that is lifted by 5 mm
+/// off the plane z = 0.
 class Contact : public ::testing::Test {
  protected:
   Contact() {
