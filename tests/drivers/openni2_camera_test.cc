@@ -1,6 +1,6 @@
-// The OpenNI2 camera, through the real library and a driver of our own for it. The library finds that
-// by its configuration file alone, over which one of ours is mounted, for this process; that needs
-// root, and without it these tests are skipped.
+// The OpenNI2 camera, through the real library and a driver of our own for it. The library finds
+// that by its configuration file alone, over which one of ours is mounted, for this process; that
+// needs root, and without it these tests are skipped.
 
 #include "lib/hal/drivers/openni2_camera.h"
 
@@ -35,7 +35,8 @@ constexpr const char* kIni = "/etc/openni2/OpenNI.ini";
 
 /// The stock drivers play recordings; a repository of our own hides them.
 void LinkStockFilePlayer(const fs::path& drivers) {
-  for (const char* folder : {"/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib"}) {
+  for (const char* folder :
+       {"/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib"}) {
     const fs::path player = fs::path(folder) / "OpenNI2" / "Drivers" / "libOniFile.so.0";
     if (fs::exists(player)) fs::create_symlink(player, drivers / "libOniFile.so.0");
   }
@@ -187,8 +188,7 @@ TEST_F(OpenNi2, RefusesACameraThatCannotRegisterItsDepth) {
 
 TEST_F(OpenNi2, NamesTheDeviceThatIsNotThere) {
   Devices().shown->connected = false;
-  EXPECT_THROWS(Connected(), DeviceError,
-                "camera 'head': any OpenNI2 device cannot be opened: ");
+  EXPECT_THROWS(Connected(), DeviceError, "camera 'head': any OpenNI2 device cannot be opened: ");
   OpenNi2Config config;
   config.uri = "/nowhere/recording.oni";
   EXPECT_THROWS(Connected(config), DeviceError, "/nowhere/recording.oni cannot be opened");
@@ -243,7 +243,8 @@ TEST_F(OpenNi2, PlaysARecording) {
 TEST(OpenNi2Config, RefusesValuesOutOfRange) {
   OpenNi2Config config;
   config.intrinsics = {525.0};
-  EXPECT_THROWS(config.Validate(), ConfigError, "'intrinsics' has 1 values; give fx, fy, cx and cy");
+  EXPECT_THROWS(config.Validate(), ConfigError,
+                "'intrinsics' has 1 values; give fx, fy, cx and cy");
   config.intrinsics.clear();
   config.max_depth = 0.1;
   EXPECT_THROWS(config.Validate(), ConfigError, "'max_depth' = 0.1 must lie in 0.4..100");

@@ -1,5 +1,6 @@
 // A driver for OpenNI2 itself, so that our camera can be tested through the real library without a
-// device: a camera of 640 x 480 that shows what the test has put there (tests/drivers/virtual_rgbd.h).
+// device: a camera of 640 x 480 that shows what the test has put there
+// (tests/drivers/virtual_rgbd.h).
 
 #include <algorithm>
 #include <atomic>
@@ -59,14 +60,21 @@ class Stream : public oni::driver::StreamBase {
 
   OniStatus getProperty(int id, void* data, int* size) override {
     switch (id) {
-      case ONI_STREAM_PROPERTY_VIDEO_MODE: return Give(Mode(sensor_), data, size);
+      case ONI_STREAM_PROPERTY_VIDEO_MODE:
+        return Give(Mode(sensor_), data, size);
       // A recording without this is never played back.
-      case ONI_STREAM_PROPERTY_CROPPING: return Give(OniCropping{}, data, size);
-      case ONI_STREAM_PROPERTY_HORIZONTAL_FOV: return Give(1.0144686F, data, size);
-      case ONI_STREAM_PROPERTY_VERTICAL_FOV: return Give(0.7898090F, data, size);
-      case ONI_STREAM_PROPERTY_MAX_VALUE: return Give(10000, data, size);
-      case ONI_STREAM_PROPERTY_MIRRORING: return Give(OniBool{FALSE}, data, size);
-      default: return ONI_STATUS_NOT_IMPLEMENTED;
+      case ONI_STREAM_PROPERTY_CROPPING:
+        return Give(OniCropping{}, data, size);
+      case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
+        return Give(1.0144686F, data, size);
+      case ONI_STREAM_PROPERTY_VERTICAL_FOV:
+        return Give(0.7898090F, data, size);
+      case ONI_STREAM_PROPERTY_MAX_VALUE:
+        return Give(10000, data, size);
+      case ONI_STREAM_PROPERTY_MIRRORING:
+        return Give(OniBool{FALSE}, data, size);
+      default:
+        return ONI_STATUS_NOT_IMPLEMENTED;
     }
   }
 

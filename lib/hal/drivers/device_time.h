@@ -7,9 +7,10 @@
 
 namespace secondlook::hal {
 
-/// Brings the stamps of a device that has a clock of its own to robot time. What arrives was delayed
-/// on its way, by differing amounts, so the least difference between arrival and stamp that was seen
-/// tells how the clocks stand. It is let grow slowly, so that clocks which run apart are followed.
+/// Brings the stamps of a device that has a clock of its own to robot time. What arrives was
+/// delayed on its way, by differing amounts, so the least difference between arrival and stamp that
+/// was seen tells how the clocks stand. It is let grow slowly, so that clocks which run apart are
+/// followed.
 class DeviceTime {
  public:
   /// @param latency What even the quickest message takes from measurement to arrival.

@@ -71,8 +71,8 @@ cv::Mat DepthOf(const openni::VideoFrameRef& frame, double unit, double nearest,
 }  // namespace
 
 /// An open device with its two streams. One thread alone reads from it for as long as the camera
-/// lives: OpenNI2 remembers every thread that ever waited for images, and asks after those that have
-/// ended, which crashes.
+/// lives: OpenNI2 remembers every thread that ever waited for images, and asks after those that
+/// have ended, which crashes.
 struct OpenNi2Camera::Device {
   Library library;
   openni::Device device;
@@ -121,9 +121,9 @@ struct OpenNi2Camera::Device {
         openni::OpenNI::waitForAnyStream(streams.data(), 2, &ready, kPatienceMs);
     if (status == openni::STATUS_TIME_OUT) return false;
     Require(status, camera, "is lost");
-    Require(streams[static_cast<std::size_t>(ready)]->readFrame(ready == 0 ? depth_image
-                                                                           : color_image),
-            camera, "is lost");
+    Require(
+        streams[static_cast<std::size_t>(ready)]->readFrame(ready == 0 ? depth_image : color_image),
+        camera, "is lost");
     return true;
   }
 

@@ -23,8 +23,8 @@ struct OpenNi2Config {
   int width{640};
   int height{480};
   int fps{30};
-  /// fx, fy, cx, cy [px] of the colour camera; empty: from the fields of view that the device tells,
-  /// which are those of its kind and not of this one.
+  /// fx, fy, cx, cy [px] of the colour camera; empty: from the fields of view that the device
+  /// tells, which are those of its kind and not of this one.
   std::vector<double> intrinsics;
   double min_depth{0.4};          ///< Nothing nearer is taken for measured [m] …
   double max_depth{5.0};          ///< … nor farther.
