@@ -33,12 +33,15 @@ namespace fs = std::filesystem;
 
 constexpr const char* kIni = "/etc/openni2/OpenNI.ini";
 
-/// The stock drivers play recordings; a repository of our own hides them.
+/// The stock drivers play recordings; a repository of our own hides them. The player stays loaded
+/// to the end, or what it leaks could not be told to be its own.
 void LinkStockFilePlayer(const fs::path& drivers) {
   for (const char* folder :
        {"/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib"}) {
     const fs::path player = fs::path(folder) / "OpenNI2" / "Drivers" / "libOniFile.so.0";
-    if (fs::exists(player)) fs::create_symlink(player, drivers / "libOniFile.so.0");
+    if (!fs::exists(player)) continue;
+    fs::create_symlink(player, drivers / "libOniFile.so.0");
+    dlopen(player.c_str(), RTLD_NOW | RTLD_NODELETE);
   }
 }
 

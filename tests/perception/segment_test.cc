@@ -249,7 +249,7 @@ TEST(Segment, FindsTwoTablesAndAShelfAndWhatStandsOnEach) {
   EXPECT_EQ(PlaneOfThingAt(result, {0.93, -0.2, -0.4}), table);
   EXPECT_EQ(PlaneOfThingAt(result, {1.68, 0.1, -0.57}), lower);
   EXPECT_EQ(PlaneOfThingAt(result, {1.23, 0.2, -0.13}), shelf);
-  const world::SupportPlane& patch = result.Planes()[static_cast<std::size_t>(lower)];
+  const world::SupportPlane patch = result.Planes()[static_cast<std::size_t>(lower)];
   EXPECT_NEAR((patch.corners_A[1] - patch.corners_A[0]).norm() +
                   (patch.corners_A[2] - patch.corners_A[1]).norm(),
               0.5 + 0.8, 0.04);
