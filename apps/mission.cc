@@ -10,6 +10,7 @@
 #include "lib/common/error.h"
 #include "lib/common/stopwatch.h"
 #include "lib/fusion/dempster_shafer.h"
+#include "lib/planning/choose_look.h"
 #include "lib/planning/hidden_space.h"
 
 #include "second_look/nav_status_t.hpp"

@@ -10,6 +10,7 @@
 #include "lib/fusion/dempster_shafer.h"
 #include "lib/kinematics/head.h"
 #include "lib/perception/symmetry.h"
+#include "lib/planning/choose_look.h"
 
 namespace secondlook::apps {
 namespace {

@@ -9,22 +9,16 @@
 #include "lib/common/check_range.h"
 #include "lib/common/error.h"
 #include "lib/common/rng.h"
+#include "lib/planning/look_check.h"
 
 namespace secondlook::planning {
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180.0;
 
-/// Adds the check to `look` and returns whether it passed.
-bool CheckLook(const char* name, bool passed, std::string detail, world::Look* look) {
-  if (!passed) look->reason = fmt::format("{}: {}", name, detail);
-  look->checks.push_back({name, passed, std::move(detail)});
-  return passed;
-}
-
 bool CheckDepth(double distance, const hal::CameraInfo& camera, world::Look* look) {
   if (!camera.has_depth) return true;
-  return CheckLook(
+  return AddCheck(
       "range", distance >= camera.min_depth && distance <= camera.max_depth,
       fmt::format("{:.2f} m in {:.2f}..{:.2f} m", distance, camera.min_depth, camera.max_depth),
       look);
@@ -59,9 +53,9 @@ std::vector<Eigen::VectorXd> CheckInverseKinematics(const ArmCarrier& carrier,
   const Pose X_BC = ToPose(carrier.X_WB).inverse() * look->X_WC;
   kinematics::JointSolutions solutions = kinematics::SolveInverseKinematics(
       carrier.hand.arm, {X_BC, carrier.hand.X_EC, true}, carrier.q, config.inverse_kinematics);
-  CheckLook("inverse kinematics", !solutions.q.empty(),
-            solutions.q.empty() ? solutions.reason : fmt::format("{} ways", solutions.q.size()),
-            look);
+  AddCheck("inverse kinematics", !solutions.q.empty(),
+           solutions.q.empty() ? solutions.reason : fmt::format("{} ways", solutions.q.size()),
+           look);
   return std::move(solutions.q);
 }
 
@@ -75,7 +69,7 @@ std::vector<Eigen::VectorXd> CheckCollision(const std::vector<Eigen::VectorXd>& 
     if (!touch) free.push_back(q);
     if (touch && first.empty()) first = *touch;
   }
-  CheckLook("collision", !free.empty(), free.empty() ? first : "free", look);
+  AddCheck("collision", !free.empty(), free.empty() ? first : "free", look);
   return free;
 }
 
@@ -95,10 +89,10 @@ bool CheckPath(const std::vector<Eigen::VectorXd>& postures, const ArmCarrier& c
     candidate->look.seconds = candidate->trajectory.seconds();
     // Any roll would do; this is the one that it has there.
     candidate->look.X_WC = ToPose(carrier.X_WB) * kinematics::CameraInBase(carrier.hand, q);
-    return CheckLook("path", true, fmt::format("{:.1f} s", candidate->look.seconds),
-                     &candidate->look);
+    return AddCheck("path", true, fmt::format("{:.1f} s", candidate->look.seconds),
+                    &candidate->look);
   }
-  return CheckLook("path", false, reason, &candidate->look);
+  return AddCheck("path", false, reason, &candidate->look);
 }
 
 bool CheckAll(const ArmCarrier& carrier, const ArmCollision& collision, double distance,

@@ -11,6 +11,7 @@
 #include "lib/common/error.h"
 #include "lib/common/parallel.h"
 #include "lib/geometry/point_image.h"
+#include "lib/planning/look_check.h"
 
 namespace secondlook::planning {
 namespace {
@@ -472,35 +473,22 @@ double StrategyScore(LookStrategy strategy, const AspectTarget& target, const As
   return 0.0;
 }
 
-/// Adds the check to `look`; refuses the look when it did not pass.
-void AddCheck(const char* name, bool passed, std::string detail, world::Look* look) {
-  if (!passed) look->reason = fmt::format("{}: {}", name, detail);
-  look->feasible = look->feasible && passed;
-  look->checks.push_back({name, passed, std::move(detail)});
-}
-
 /// Does the look see enough, and bring enough for its time?
 void CheckWorth(const AspectScore& score, const AspectGraphConfig& config, world::Look* look) {
-  AddCheck("visible", look->visibility >= config.min_visibility,
-           fmt::format("{:.0f} % of {} rays to the box ({:.0f} % blocked, {:.0f} % through unknown "
-                       "space); at least {:.0f} % wanted",
-                       100.0 * look->visibility, score.box_rays, 100.0 * score.blocked,
-                       100.0 * score.through_unknown, 100.0 * config.min_visibility),
-           look);
+  look->feasible &= AddCheck(
+      "visible", look->visibility >= config.min_visibility,
+      fmt::format("{:.0f} % of {} rays to the box ({:.0f} % blocked, {:.0f} % through unknown "
+                  "space); at least {:.0f} % wanted",
+                  100.0 * look->visibility, score.box_rays, 100.0 * score.blocked,
+                  100.0 * score.through_unknown, 100.0 * config.min_visibility),
+      look);
   if (!look->feasible) return;
-  AddCheck("worth its time", look->score >= config.loss.per_second,
-           fmt::format("{:.2g} a second, {:.2g} of it by the first look; at least {:.2g} wanted",
-                       look->score, look->gain / (look->seconds + config.look_seconds),
-                       config.loss.per_second),
-           look);
-}
-
-/// What a look is expected to bring, for people.
-std::string Explain(const world::Look& look) {
-  return fmt::format(
-      "sees {:.0f} % of the rays to the box; gain {:.3g}; {:.1f} s and {:.2f} m to "
-      "drive; score {:.3g}",
-      100.0 * look.visibility, look.gain, look.seconds, look.metres, look.score);
+  look->feasible &= AddCheck(
+      "worth its time", look->score >= config.loss.per_second,
+      fmt::format("{:.2g} a second, {:.2g} of it by the first look; at least {:.2g} wanted",
+                  look->score, look->gain / (look->seconds + config.look_seconds),
+                  config.loss.per_second),
+      look);
 }
 
 }  // namespace
@@ -571,64 +559,6 @@ AspectGraph ScoreAspectGraph(const world::VoxelSpace& space, const geometry::Cam
     if (strategy == LookStrategy::kExpectedLoss) CheckWorth(graph.scores[i], config, &look);
   }
   return graph;
-}
-
-std::string RefusalSummary(const std::vector<world::Look>& looks) {
-  std::vector<std::pair<std::string, int>> reasons;
-  int refused = 0;
-  for (const world::Look& look : looks) {
-    if (look.feasible) continue;
-    ++refused;
-    std::string name = "not checked";
-    for (const world::LookCheck& check : look.checks) {
-      if (!check.passed) name = check.name;
-    }
-    const auto found = std::find_if(reasons.begin(), reasons.end(),
-                                    [&](const auto& entry) { return entry.first == name; });
-    if (found == reasons.end()) {
-      reasons.emplace_back(name, 1);
-    } else {
-      ++found->second;
-    }
-  }
-  if (refused == 0) return fmt::format("none of {} refused", looks.size());
-  std::stable_sort(reasons.begin(), reasons.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
-  std::string summary = fmt::format("{} of {} refused: ", refused, looks.size());
-  for (std::size_t i = 0; i < reasons.size(); ++i) {
-    summary += fmt::format("{}{} {}", i == 0 ? "" : ", ", reasons[i].second, reasons[i].first);
-  }
-  return summary;
-}
-
-LookChoice ChooseLook(std::vector<world::Look>* looks) {
-  LookChoice choice;
-  double second = 0.0;
-  for (int i = 0; i < static_cast<int>(looks->size()); ++i) {
-    world::Look& look = (*looks)[i];
-    look.chosen = false;
-    if (!look.feasible) continue;
-    look.reason = Explain(look);
-    if (!choice.index) {
-      choice.index = i;
-    } else if (look.score > (*looks)[*choice.index].score) {
-      second = (*looks)[*choice.index].score;
-      choice.index = i;
-    } else {
-      second = std::max(second, look.score);
-    }
-  }
-  if (looks->empty()) {
-    choice.reason = "there are no candidates";
-  } else if (!choice.index) {
-    choice.reason = RefusalSummary(*looks);
-  } else {
-    world::Look& best = (*looks)[*choice.index];
-    best.chosen = true;
-    if (second > 0.0) best.reason += fmt::format(", {:.2f} times the next", best.score / second);
-    choice.reason = fmt::format("{}; {}", best.reason, RefusalSummary(*looks));
-  }
-  return choice;
 }
 
 }  // namespace secondlook::planning

@@ -11,65 +11,61 @@
 #include "lib/common/error.h"
 #include "lib/common/parallel.h"
 #include "lib/geometry/point_image.h"
+#include "lib/planning/look_check.h"
 
 namespace secondlook::planning {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// Adds the check to `look` and returns whether it passed.
-bool Check(const char* name, bool passed, std::string detail, world::Look* look) {
-  if (!passed) look->reason = fmt::format("{}: {}", name, detail);
-  look->checks.push_back({name, passed, std::move(detail)});
-  return passed;
-}
-
 bool CheckHead(const Eigen::Vector3d& p_WT, const CameraCarrier& carrier, world::Look* look) {
   const Pose X_WB = ToPose(look->X_WB);
   const std::optional<kinematics::HeadAngles> angles =
       kinematics::AimAt(carrier.head, X_WB.inverse() * p_WT);
   if (!angles) {
-    return Check("pan-tilt limits", false, "the target lies on the pan axis or in the camera",
-                 look);
+    return AddCheck("pan-tilt limits", false, "the target lies on the pan axis or in the camera",
+                    look);
   }
   look->head = {angles->pan, angles->tilt};
   look->X_WC = X_WB * kinematics::CameraInBase(carrier.head, *angles);
   const hal::PanTiltAngles& lower = carrier.pan_tilt.lower;
   const hal::PanTiltAngles& upper = carrier.pan_tilt.upper;
-  return Check("pan-tilt limits", carrier.pan_tilt.Reaches(look->head),
-               fmt::format("pan {:.1f} in {:.1f}..{:.1f} deg, tilt {:.1f} in {:.1f}..{:.1f} deg",
-                           look->head.pan / kDegree, lower.pan / kDegree, upper.pan / kDegree,
-                           look->head.tilt / kDegree, lower.tilt / kDegree, upper.tilt / kDegree),
-               look);
+  return AddCheck(
+      "pan-tilt limits", carrier.pan_tilt.Reaches(look->head),
+      fmt::format("pan {:.1f} in {:.1f}..{:.1f} deg, tilt {:.1f} in {:.1f}..{:.1f} deg",
+                  look->head.pan / kDegree, lower.pan / kDegree, upper.pan / kDegree,
+                  look->head.tilt / kDegree, lower.tilt / kDegree, upper.tilt / kDegree),
+      look);
 }
 
 bool CheckRange(const Eigen::Vector3d& p_WT, const hal::CameraInfo& camera, world::Look* look) {
   if (!camera.has_depth) return true;
   const double depth = (look->X_WC.inverse() * p_WT).z();
-  return Check(
+  return AddCheck(
       "range", depth >= camera.min_depth && depth <= camera.max_depth,
       fmt::format("{:.2f} m in {:.2f}..{:.2f} m", depth, camera.min_depth, camera.max_depth), look);
 }
 
 bool CheckCollision(const CollisionChecker& collision, world::Look* look) {
   const std::optional<Contact> contact = collision.Touches(look->X_WB);
-  if (!contact) return Check("collision", true, "free", look);
-  return Check("collision", false,
-               fmt::format("with {} at ({:.2f}, {:.2f}, {:.2f}) m",
-                           contact->support ? "a support surface" : "the map", contact->p_WQ.x(),
-                           contact->p_WQ.y(), contact->p_WQ.z()),
-               look);
+  if (!contact) return AddCheck("collision", true, "free", look);
+  return AddCheck("collision", false,
+                  fmt::format("with {} at ({:.2f}, {:.2f}, {:.2f}) m",
+                              contact->support ? "a support surface" : "the map", contact->p_WQ.x(),
+                              contact->p_WQ.y(), contact->p_WQ.z()),
+                  look);
 }
 
 bool CheckPath(const Reach& reach, const CameraCarrier& carrier, world::Look* look) {
   PlannedPath path = reach.routes.To(look->X_WB);
-  if (!path.found) return Check("path", false, path.reason, look);
+  if (!path.found) return AddCheck("path", false, path.reason, look);
   look->path_W = std::move(path.waypoints_W);
   look->metres = path.metres;
   const double turn = std::max(std::abs(look->head.pan - reach.head.pan),
                                std::abs(look->head.tilt - reach.head.tilt));
   look->seconds = std::max(path.seconds, turn / carrier.pan_tilt.speed);
-  return Check("path", true, fmt::format("{:.2f} m, {:.1f} s", look->metres, look->seconds), look);
+  return AddCheck("path", true, fmt::format("{:.2f} m, {:.1f} s", look->metres, look->seconds),
+                  look);
 }
 
 /// The base `radius` [m] from the target in direction `angle` [rad], facing it, with all checks.

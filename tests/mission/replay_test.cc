@@ -152,7 +152,8 @@ TEST(Replay, OfAPlanMakesThePlanAgain) {
 }
 
 TEST(Replay, OfAStoppedMissionStopsAtTheSamePlace) {
-  const RecordedMission mission({}, "", {"look 2 (", SIGTERM});
+  // The default mission goes on for seconds after its second look: the signal comes in time.
+  const RecordedMission mission({}, "config/sim.yaml", {"look 2 (", SIGTERM});
   ASSERT_EQ(mission.result.status, 143) << mission.result.err;
   const ProgramResult replay = mission.Replay();
   EXPECT_EQ(replay.status, 143) << replay.err;

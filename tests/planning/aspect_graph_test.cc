@@ -1,4 +1,5 @@
 #include "lib/planning/aspect_graph.h"
+#include "lib/planning/choose_look.h"
 
 #include <numbers>
 
