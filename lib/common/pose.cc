@@ -50,6 +50,14 @@ Pose LookAt(const Eigen::Vector3d& p_WC, const Eigen::Vector3d& p_WT) {
   return X_WC;
 }
 
+std::vector<Eigen::Vector3d> Transform(const Pose& X_AB,
+                                       const std::vector<Eigen::Vector3d>& points_B) {
+  std::vector<Eigen::Vector3d> points_A;
+  points_A.reserve(points_B.size());
+  for (const Eigen::Vector3d& p : points_B) points_A.push_back(X_AB * p);
+  return points_A;
+}
+
 bool IsValid(const Pose& X_AB) {
   const Eigen::Matrix3d R = X_AB.linear();
   return X_AB.matrix().allFinite() &&

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Geometry>
 
 namespace secondlook {
@@ -38,6 +40,10 @@ Eigen::Matrix3d RotationFromVector(const Eigen::Vector3d& v);
 /// The pose X_WC of a camera (x right, y down, z forward) at `p_WC` that looks at `p_WT`, upright
 /// in W, whose z is up. @pre the two are not above one another.
 Pose LookAt(const Eigen::Vector3d& p_WC, const Eigen::Vector3d& p_WT);
+
+/// The points `points_B` in A.
+std::vector<Eigen::Vector3d> Transform(const Pose& X_AB,
+                                       const std::vector<Eigen::Vector3d>& points_B);
 
 /// True when every entry is finite and the rotation is orthonormal with determinant +1 within 1e-6.
 bool IsValid(const Pose& X_AB);

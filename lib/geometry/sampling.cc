@@ -1,9 +1,11 @@
 #include "lib/geometry/sampling.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 
 namespace secondlook::geometry {
 namespace {
@@ -78,6 +80,25 @@ std::vector<int> SubsampleByNormals(const std::vector<OrientedPoint>& points, do
   }
   std::sort(kept.begin(), kept.end());
   return kept;
+}
+
+std::vector<Eigen::Vector3d> Thinned(std::vector<Eigen::Vector3d> points,
+                                     const std::vector<Eigen::Vector3d>& more, double spacing) {
+  points.insert(points.end(), more.begin(), more.end());
+  std::vector<std::pair<std::array<int, 3>, int>> cells;
+  for (int i = 0; i < static_cast<int>(points.size()); ++i) {
+    const Eigen::Vector3i c = (points[i] / spacing).array().floor().cast<int>();
+    cells.push_back({{c.x(), c.y(), c.z()}, i});
+  }
+  std::sort(cells.begin(), cells.end());
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i == 0 || cells[i].first != cells[i - 1].first) kept.push_back(cells[i].second);
+  }
+  std::sort(kept.begin(), kept.end());
+  std::vector<Eigen::Vector3d> thinned;
+  for (const int i : kept) thinned.push_back(points[i]);
+  return thinned;
 }
 
 }  // namespace secondlook::geometry

@@ -35,4 +35,9 @@ std::vector<MeshSample> SampleSurface(const Mesh& mesh, int count, Rng* rng);
 std::vector<int> SubsampleByNormals(const std::vector<OrientedPoint>& points, double spacing,
                                     double angle);
 
+/// `points` and `more` [m], in this order, with the first point kept of each cell of a grid of
+/// `spacing` > 0 [m].
+std::vector<Eigen::Vector3d> Thinned(std::vector<Eigen::Vector3d> points,
+                                     const std::vector<Eigen::Vector3d>& more, double spacing);
+
 }  // namespace secondlook::geometry

@@ -265,6 +265,12 @@ const RecognitionModel* FindModel(const std::vector<RecognitionModel>& models,
   return found == models.end() ? nullptr : &*found;
 }
 
+Eigen::AlignedBox3d BoxOf(const RecognitionModel& model, const Pose& X_AM) {
+  Eigen::AlignedBox3d box_A;
+  for (const Eigen::Vector3f& p_M : model.hull) box_A.extend(X_AM * p_M.cast<double>());
+  return box_A;
+}
+
 double LowestHeight(const RecognitionModel& model, const Pose& X_CM,
                     const world::SupportPlane& plane_C) {
   const Eigen::Vector3f up_M = (X_CM.linear().transpose() * plane_C.normal_A).cast<float>();

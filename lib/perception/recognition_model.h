@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "lib/geometry/mesh.h"
 #include "lib/perception/ppf.h"
@@ -55,6 +55,9 @@ std::vector<RecognitionModel> TrainModels(const world::ObjectDatabase& database)
 /// The one of `models` that is called `name`; null when none is.
 const RecognitionModel* FindModel(const std::vector<RecognitionModel>& models,
                                   const std::string& name);
+
+/// The box in A that the model at X_AM fills [m].
+Eigen::AlignedBox3d BoxOf(const RecognitionModel& model, const Pose& X_AM);
 
 /// The lowest height of the model at X_CM above the plane n . p = d of C [m].
 double LowestHeight(const RecognitionModel& model, const Pose& X_CM,
