@@ -44,36 +44,49 @@ DataAssociation::DataAssociation(const UnderstandingConfig& config,
 Associated DataAssociation::Associate(std::vector<world::Cluster> clusters, const cv::Mat& depth,
                                       const hal::CameraModel& camera,
                                       const perception::ViewRegistration& registration) {
-  const Pose& X_WC = registration.X_WC;
-  Associated things;
-  std::vector<world::Cluster> explained;
-  std::vector<int> explained_by;  // ids
-  std::vector<int> open;          // ids of the objects that the other clusters are things with
-  for (const ObjectBelief& object : belief_.objects) {
-    if (object.state == ObjectState::kRejected) continue;
-    if (object.state != ObjectState::kVerified) {
-      open.push_back(object.id);
-      continue;
-    }
-    // What is known stands there as its whole model, and takes what that explains.
-    const PoseHypothesis& known = *object.Best();
-    world::Cluster cluster =
-        TakeExplained(known, X_WC, depth, camera, config_.min_leftover_points, &clusters);
-    if (!IsEnough(cluster)) continue;
-    explained.push_back(std::move(cluster));
-    explained_by.push_back(object.id);
-  }
+  Associated explained = TakeVerified(depth, camera, registration.X_WC, &clusters);
+  Associated things = MatchOpen(clusters, depth, camera, registration);
+  things.open = static_cast<int>(things.clusters.size());
+  std::move(explained.clusters.begin(), explained.clusters.end(),
+            std::back_inserter(things.clusters));
+  things.objects.insert(things.objects.end(), explained.objects.begin(), explained.objects.end());
+  return things;
+}
 
+/// What is verified stands there as its whole model, and takes what that explains.
+Associated DataAssociation::TakeVerified(const cv::Mat& depth, const hal::CameraModel& camera,
+                                         const Pose& X_WC,
+                                         std::vector<world::Cluster>* clusters) const {
+  Associated explained;
+  for (const ObjectBelief& object : belief_.objects) {
+    if (object.state != ObjectState::kVerified) continue;
+    world::Cluster cluster =
+        TakeExplained(*object.Best(), X_WC, depth, camera, config_.min_leftover_points, clusters);
+    if (!IsEnough(cluster)) continue;
+    explained.clusters.push_back(std::move(cluster));
+    explained.objects.push_back(object.id);
+  }
+  return explained;
+}
+
+Associated DataAssociation::MatchOpen(const std::vector<world::Cluster>& clusters,
+                                      const cv::Mat& depth, const hal::CameraModel& camera,
+                                      const perception::ViewRegistration& registration) {
+  const Pose& X_WC = registration.X_WC;
   std::vector<fusion::Seen> detections;
   for (const world::Cluster& cluster : clusters) {
     detections.emplace_back(Transform(X_WC, cluster.points_C), config_.footprint_cell_m);
   }
+  std::vector<int> open;  // ids
   std::vector<fusion::Seen> objects;
-  for (const int id : open) {
-    objects.emplace_back(belief_.objects[id].points_W, config_.footprint_cell_m);
+  for (const ObjectBelief& object : belief_.objects) {
+    if (object.state == ObjectState::kRejected || object.state == ObjectState::kVerified) continue;
+    open.push_back(object.id);
+    objects.emplace_back(object.points_W, config_.footprint_cell_m);
   }
   const fusion::MatchGate gate{config_.footprint_overlap, config_.match_sigmas,
                                ErrorOf(registration)};
+  Associated things;
   for (const fusion::Match& match : fusion::MatchSeen(detections, objects, gate)) {
     if (match.detections.empty()) continue;  // not seen this time
     std::vector<int> pixels;
@@ -83,9 +96,8 @@ Associated DataAssociation::Associate(std::vector<world::Cluster> clusters, cons
     std::vector<world::Cluster> left{perception::MakeCluster(std::move(pixels), depth, camera)};
     // What was told apart before takes its own share of what touches.
     for (const int id : ToldApart(ids)) {
-      const PoseHypothesis& best = *belief_.objects[id].Best();
-      world::Cluster share =
-          TakeExplained(best, X_WC, depth, camera, config_.min_leftover_points, &left);
+      world::Cluster share = TakeExplained(*belief_.objects[id].Best(), X_WC, depth, camera,
+                                           config_.min_leftover_points, &left);
       std::erase(ids, id);
       if (!IsEnough(share)) continue;
       things.clusters.push_back(std::move(share));
@@ -95,9 +107,6 @@ Associated DataAssociation::Associate(std::vector<world::Cluster> clusters, cons
     things.clusters.push_back(std::move(left.front()));
     things.objects.push_back(Merge(ids));
   }
-  things.open = static_cast<int>(things.clusters.size());
-  std::move(explained.begin(), explained.end(), std::back_inserter(things.clusters));
-  things.objects.insert(things.objects.end(), explained_by.begin(), explained_by.end());
   return things;
 }
 

@@ -59,6 +59,11 @@ class DataAssociation {
  private:
   using ObjectBelief = world::ObjectBelief;
 
+  Associated TakeVerified(const cv::Mat& depth, const hal::CameraModel& camera, const Pose& X_WC,
+                          std::vector<world::Cluster>* clusters) const;
+  Associated MatchOpen(const std::vector<world::Cluster>& clusters, const cv::Mat& depth,
+                       const hal::CameraModel& camera,
+                       const perception::ViewRegistration& registration);
   Eigen::Matrix3d ErrorOf(const perception::ViewRegistration& registration) const;
   world::Cluster TakeExplained(const world::PoseHypothesis& thing, const Pose& X_WC,
                                const cv::Mat& depth, const hal::CameraModel& camera,
