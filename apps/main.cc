@@ -30,6 +30,7 @@ int Run(int argc, char** argv) {
   AddReplay(&app, &status);
   AddRun(&app, &status);
   AddSegment(&app, &status);
+  AddTrain(&app, &status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

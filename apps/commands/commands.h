@@ -24,5 +24,6 @@ void AddRecognise(CLI::App* app, int* status);
 void AddReplay(CLI::App* app, int* status);
 void AddRun(CLI::App* app, int* status);
 void AddSegment(CLI::App* app, int* status);
+void AddTrain(CLI::App* app, int* status);
 
 }  // namespace secondlook::apps

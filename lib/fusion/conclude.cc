@@ -121,12 +121,6 @@ std::map<std::string, const PoseHypothesis*> BestByClass(const ObjectBelief& obj
   return best;
 }
 
-world::MassFunction Discounted(world::MassFunction m, double reliability) {
-  for (auto& [c, mass] : m.singletons) mass *= reliability;
-  m.omega = 1.0 - reliability * (1.0 - m.omega);
-  return m;
-}
-
 world::MassFunction FuseViews(const ObjectBelief& object, const ConcludeConfig& config) {
   const auto best = BestByClass(object);
   std::set<int> views;

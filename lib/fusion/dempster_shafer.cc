@@ -45,6 +45,13 @@ world::MassFunction Combine(const world::MassFunction& a, const world::MassFunct
   return m;
 }
 
+world::MassFunction Discounted(world::MassFunction m, double reliability) {
+  for (auto& [c, mass] : m.singletons) mass *= reliability;
+  m.conflict *= reliability;
+  m.omega = 1.0 - reliability * (1.0 - m.omega);
+  return m;
+}
+
 std::map<std::string, double> Pignistic(const world::MassFunction& m, int class_count) {
   const double share = m.omega / class_count;
   std::map<std::string, double> probabilities;

@@ -19,6 +19,10 @@ world::MassFunction FromSupports(const std::map<std::string, double>& supports);
 /// 2018, Eq. 2). Commutative and associative; conflict between the views stays as m(empty set).
 world::MassFunction Combine(const world::MassFunction& a, const world::MassFunction& b);
 
+/// `m` when its view is right only with the probability `reliability`: the rest of every mass is
+/// moved to Omega (Shafer's discounting). @pre `reliability` in [0, 1].
+world::MassFunction Discounted(world::MassFunction m, double reliability);
+
 /// The pignistic probabilities (Hoseini 2018, Eq. 3) over `class_count` >= 1 classes, normalised to
 /// sum to 1 over all of them; only classes that have a mass of their own are listed, each of the
 /// others has the share of Omega, m(Omega) / class_count / (1 - m(empty)).

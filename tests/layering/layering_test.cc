@@ -27,6 +27,7 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
      {"lib/common", "lib/geometry", "lib/kinematics", "lib/transport", "second_look", "lib/hal"}},
     {"lib/world", {"lib/common", "lib/geometry", "lib/hal"}},
     {"lib/perception", {"lib/common", "lib/geometry", "lib/hal", "lib/world"}},
+    {"lib/perception/appearance", {"lib/common"}},
     {"lib/fusion", {"lib/common", "lib/geometry", "lib/hal", "lib/world"}},
     {"lib/planning/motion",
      {"lib/common", "lib/geometry", "lib/kinematics", "lib/hal", "lib/world"}},
