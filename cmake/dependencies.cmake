@@ -34,10 +34,10 @@ else()
 endif()
 find_program(SECONDLOOK_LCM_GEN lcm-gen REQUIRED)
 
-# Debian's OpenCVConfig.cmake comes with the package of all 60 modules; we use four, so they are
+# Debian's OpenCVConfig.cmake comes with the package of all 60 modules; we use seven, so they are
 # found by hand.
 find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
-foreach(module core imgproc imgcodecs surface_matching)
+foreach(module core imgproc imgcodecs surface_matching aruco calib3d videoio)
   find_library(OPENCV_${module} opencv_${module} REQUIRED)
   add_library(opencv_${module} UNKNOWN IMPORTED)
   set_target_properties(opencv_${module} PROPERTIES IMPORTED_LOCATION ${OPENCV_${module}}
