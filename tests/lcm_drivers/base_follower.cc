@@ -32,8 +32,8 @@ BasePath PathOf(const base_goal_t& goal) {
 
 }  // namespace
 
-BaseFollower::BaseFollower(LcmLink* link, Base* base, const Clock* clock)
-    : link_(link), base_(base), clock_(clock) {
+BaseFollower::BaseFollower(LcmLink* link, Base* base, const Clock* clock, Duration ahead)
+    : link_(link), base_(base), clock_(clock), ahead_(ahead) {
   using transport::channel::kBaseCancel;
   using transport::channel::kBaseGoal;
   link_->Listen(kBaseGoal, {"second_look.base_goal_t", {}}, [this](const auto& message) {
@@ -68,8 +68,7 @@ void BaseFollower::Obey() {
   if (goal) Hear(*goal);
   const Time now = clock_->Now();
   const bool lapsed = goal_.id != 0 && now > goal_.heard_at + goal_.valid;
-  const bool spoilt =
-      fault_ == FollowerFault::kStopsShort || fault_ == FollowerFault::kGivesUp;
+  const bool spoilt = fault_ == FollowerFault::kStopsShort || fault_ == FollowerFault::kGivesUp;
   const bool cut = spoilt && goal_.id != 0 && now > goal_.begun_at + kShort;
   if (cut && base_->Status().phase == MotionPhase::kMoving) cut_short_ = true;
   if ((cancel && *cancel == goal_.id) || lapsed || cut) base_->Stop();
@@ -89,7 +88,7 @@ void BaseFollower::Tell() {
   const BaseState state = base_->State();
   if (fault_ != FollowerFault::kNoPose) {
     second_look::base_pose_t pose{};
-    pose.utime = Microseconds(state.time);
+    pose.utime = Microseconds(state.time + ahead_);
     Copy(state.X_WB, pose.X_WB);
     Copy(state.X_OB, pose.X_OB);
     for (int i = 0; i < 3; ++i) {
@@ -100,7 +99,7 @@ void BaseFollower::Tell() {
   if (fault_ == FollowerFault::kSilent) return;
   const MotionStatus motion = base_->Status();
   base_status_t status{};
-  status.utime = Microseconds(clock_->Now());
+  status.utime = Microseconds(clock_->Now() + ahead_);
   status.id = goal_.id;
   status.phase = static_cast<std::int8_t>(motion.phase);
   status.reason = motion.reason;

@@ -16,10 +16,10 @@ namespace secondlook::hal {
 /// What goes wrong at a follower.
 enum class FollowerFault {
   kNone,
-  kSilent,       ///< It says nothing of what it does, and hears nothing; its pose still comes.
-  kNoPose,       ///< No pose comes.
-  kStopsShort,   ///< It stops after half a second and says that it has arrived.
-  kGivesUp,      ///< It stops after half a second and says so.
+  kSilent,      ///< It says nothing of what it does, and hears nothing; its pose still comes.
+  kNoPose,      ///< No pose comes.
+  kStopsShort,  ///< It stops after half a second and says that it has arrived.
+  kGivesUp,     ///< It stops after half a second and says so.
 };
 
 /// A stand-in for a navigation stack: drives `base` where it is told to over LCM, and tells where
@@ -27,7 +27,8 @@ enum class FollowerFault {
 class BaseFollower {
  public:
   /// @param link, base, clock Not null; outlive this, and nothing comes from the link afterwards.
-  BaseFollower(LcmLink* link, Base* base, const Clock* clock);
+  /// @param ahead By how much the stamps that it sends are ahead of that clock.
+  BaseFollower(LcmLink* link, Base* base, const Clock* clock, Duration ahead = Duration::zero());
 
   void Set(FollowerFault fault) { fault_ = fault; }
 
@@ -52,6 +53,7 @@ class BaseFollower {
   LcmLink* link_;
   Base* base_;
   const Clock* clock_;
+  const Duration ahead_;
   FollowerFault fault_{FollowerFault::kNone};
   Goal goal_;
   bool cut_short_{};

@@ -16,8 +16,8 @@
 #include "lib/hal/drivers/fixed_base.h"
 #include "lib/hal/drivers/fixed_head.h"
 #include "sim/sim_robot.h"
-#include "tests/lcm_drivers/base_follower.h"
 #include "tests/hal/base_contract.h"
+#include "tests/lcm_drivers/base_follower.h"
 #include "tests/sim/rig.h"
 #include "tests/support/expect_throws.h"
 
@@ -79,8 +79,8 @@ LcmBaseConfig Config() {
 
 /// A driver and the base it speaks with, in the simulated world.
 struct Driven {
-  std::shared_ptr<sim::SimulatedRobot> simulated = sim::MakeShared(
-      sim::FreeScene(), sim::NoiseConfig::None(), 1);
+  std::shared_ptr<sim::SimulatedRobot> simulated =
+      sim::MakeShared(sim::FreeScene(), sim::NoiseConfig::None(), 1);
   std::shared_ptr<LcmLink> link = std::make_shared<LcmLink>("memq://");
   FollowerClock clock{simulated.get(), link.get()};
   std::unique_ptr<LcmBase> base;
@@ -118,13 +118,12 @@ struct Driven {
 };
 
 INSTANTIATE_TEST_SUITE_P(Lcm, BaseContract,
-                         ::testing::Values(BaseFactory{"Follower",
-                                                       [] {
-                                                         const auto driven =
-                                                             std::make_shared<Driven>();
-                                                         return BaseRig{&driven->clock,
-                                                                        driven->base.get(), driven};
-                                                       }}),
+                         ::testing::Values(BaseFactory{
+                             "Follower",
+                             [] {
+                               const auto driven = std::make_shared<Driven>();
+                               return BaseRig{&driven->clock, driven->base.get(), driven};
+                             }}),
                          [](const auto& info) { return info.param.name; });
 
 TEST(LcmBase, RenewsItsGoalForAsLongAsSomebodyAsksHowFarItIs) {
@@ -253,8 +252,9 @@ TEST(FixedBase, StandsWhereItWasPutAndSaysThatItCannotDrive) {
   EXPECT_EQ(base.Status().phase, MotionPhase::kReached);
   base.Start({{Pose2{2.0, 0.0, 0.0}}});
   EXPECT_EQ(base.Status().phase, MotionPhase::kFailed);
-  EXPECT_EQ(base.Status().reason,
-            "base: it is fixed, and cannot drive from (1.00, 0.00) m, 90 deg to (2.00, 0.00) m, 0 deg");
+  EXPECT_EQ(
+      base.Status().reason,
+      "base: it is fixed, and cannot drive from (1.00, 0.00) m, 90 deg to (2.00, 0.00) m, 0 deg");
   EXPECT_THROWS(base.Start({}), InvalidArgument, "no waypoint");
 }
 

@@ -13,8 +13,8 @@
 #include "lib/common/error.h"
 #include "lib/hal/drivers/live_clock.h"
 #include "lib/hal/drivers/rgbd_message.h"
-#include "tests/lcm_drivers/lcm_camera_emulator.h"
 #include "tests/hal/camera_contract.h"
+#include "tests/lcm_drivers/lcm_camera_emulator.h"
 #include "tests/support/expect_throws.h"
 
 namespace secondlook::hal {
@@ -227,7 +227,8 @@ TEST_F(RgbdMessage, MayHaveRowsThatAreFilledUp) {
 
 TEST_F(RgbdMessage, IsRefusedWhenItsRowsDoNotFit) {
   raw_.images[1].data.pop_back();
-  EXPECT_THROWS(Read(), ProtocolError, "depth: 1535 bytes with 64 a row do not hold 32 x 24 pixels");
+  EXPECT_THROWS(Read(), ProtocolError,
+                "depth: 1535 bytes with 64 a row do not hold 32 x 24 pixels");
   raw_.images[1].row_stride = 63;
   EXPECT_THROWS(Read(), ProtocolError, "with 63 a row");
   raw_.images[1].row_stride = -64;
@@ -243,7 +244,8 @@ TEST_F(RgbdMessage, IsRefusedWithoutDepthOrColor) {
 
 TEST_F(RgbdMessage, IsRefusedInAFormatThatNobodyReads) {
   raw_.images[0].pixelformat = image_t::PIXEL_FORMAT_GRAY;
-  EXPECT_THROWS(Read(), ProtocolError, "colour has pixel format 1497715271: send MJPEG (1196444237)");
+  EXPECT_THROWS(Read(), ProtocolError,
+                "colour has pixel format 1497715271: send MJPEG (1196444237)");
   raw_.images[0].pixelformat = image_t::PIXEL_FORMAT_MJPEG;
   EXPECT_THROWS(Read(), ProtocolError, "colour is sent as MJPEG, and its 2304 bytes are none");
 }

@@ -28,8 +28,8 @@ struct FixedBaseConfig {
   void Validate() const;
 };
 
-/// The base of a robot that has none: a stand that is known to be where it was put. Whatever goal is
-/// not there has failed at once.
+/// The base of a robot that has none: a stand that is known to be where it was put. Whatever goal
+/// is not there has failed at once.
 class FixedBase : public Base {
  public:
   /// @param clock Not null; outlives this. @throws ConfigError.

@@ -47,15 +47,17 @@ class LcmBase::Inbox {
   void ReceivePose(const transport::Message& message) {
     const Time arrival = clock_->Now();
     const auto pose = transport::Decode<base_pose_t>(message);
-    BaseState state{sender_time_.Of(StampOf(pose.utime), arrival), PoseOf(pose.X_WB), PoseOf(pose.X_OB)};
+    BaseState state{sender_time_.Of(StampOf(pose.utime), arrival), PoseOf(pose.X_WB),
+                    PoseOf(pose.X_OB)};
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) state.covariance_WB(i, j) = pose.covariance_WB[i][j];
     }
     const Eigen::Matrix3d transposed = state.covariance_WB.transpose();
     if (!transposed.isApprox(state.covariance_WB, 1e-6) ||
         state.covariance_WB.diagonal().minCoeff() < 0.0) {
-      Throw<ProtocolError>("covariance_WB is no covariance: it must be symmetric, and its diagonal "
-                           "not negative");
+      Throw<ProtocolError>(
+          "covariance_WB is no covariance: it must be symmetric, and its diagonal "
+          "not negative");
     }
     const std::scoped_lock lock(mutex_);
     if (state_ && state.time <= state_->time) return;  // late
@@ -135,7 +137,8 @@ LcmBase::LcmBase(const LcmBaseConfig& config, std::shared_ptr<LcmLink> link, con
            config_.turn_rate_deg * kDegree};
   inbox_ = std::make_shared<Inbox>(config_, clock_);
   const auto intake = [inbox = inbox_](const char* channel) {
-    return transport::Intake{std::string(transport::TypeOn(channel)), {},
+    return transport::Intake{std::string(transport::TypeOn(channel)),
+                             {},
                              transport::LcmBus::kQueue,
                              [inbox](const std::string& why) { inbox->Reject(why); }};
   };
@@ -227,10 +230,10 @@ MotionStatus LcmBase::Judge() {
     if (clock_->Now() - goal_.heard_at <= Seconds(config_.patience_seconds)) {
       return {MotionPhase::kMoving, ""};
     }
-    return failed(fmt::format(
-        "no answer on {} to its {} for {} s: is the navigation running, and on {}?",
-        transport::channel::kBaseStatus, goal_.stopped ? "stop" : "goal", config_.patience_seconds,
-        link_->url()));
+    return failed(
+        fmt::format("no answer on {} to its {} for {} s: is the navigation running, and on {}?",
+                    transport::channel::kBaseStatus, goal_.stopped ? "stop" : "goal",
+                    config_.patience_seconds, link_->url()));
   }
   const base_status_t& status = said->first;
   if (status.phase == base_status_t::FAILED) return failed(status.reason);
@@ -242,9 +245,10 @@ MotionStatus LcmBase::Judge() {
   if (!state) return failed(NoPose());
   const Pose2& goal = goal_.path.waypoints_W.back();
   if (!IsReached(state->X_WB, goal)) {
-    return failed(fmt::format("says that it has reached its goal {}, and is at {}: narrow the "
-                              "tolerances of its navigation",
-                              ToText(goal), ToText(state->X_WB)));
+    return failed(
+        fmt::format("says that it has reached its goal {}, and is at {}: narrow the "
+                    "tolerances of its navigation",
+                    ToText(goal), ToText(state->X_WB)));
   }
   return {MotionPhase::kReached, ""};
 }

@@ -15,13 +15,13 @@ struct LcmBaseConfig {
   static constexpr const char* kTag = "Lcm";
 
   std::string name{"base"};
-  double radius{0.3};           ///< Of the upright cylinder that holds the robot [m] …
-  double height{1.4};           ///< … and its height [m].
-  double speed{0.4};            ///< At which it cruises [m/s].
-  double turn_rate_deg{60.0};   ///< At which it turns on the spot [deg/s].
+  double radius{0.3};            ///< Of the upright cylinder that holds the robot [m] …
+  double height{1.4};            ///< … and its height [m].
+  double speed{0.4};             ///< At which it cruises [m/s].
+  double turn_rate_deg{60.0};    ///< At which it turns on the spot [deg/s].
   double patience_seconds{1.0};  ///< Without its pose, or an answer, for so long it is lost.
-  double renew_seconds{0.25};   ///< Between two messages with the goal that it drives to.
-  double valid_seconds{2.0};    ///< A goal that was not renewed for so long has lapsed.
+  double renew_seconds{0.25};    ///< Between two messages with the goal that it drives to.
+  double valid_seconds{2.0};     ///< A goal that was not renewed for so long has lapsed.
   /// Poses are stamped by the clock of this machine, or one kept equal to it (NTP, PTP). False: by
   /// a clock of its own, and the quickest message tells how the two stand.
   bool synchronised{true};
@@ -65,9 +65,9 @@ class LcmBase : public Base {
   struct Goal {
     std::int64_t id{};
     BasePath path;
-    Time sent_at{};  ///< When it was, or its stop, last.
+    Time sent_at{};   ///< When it was, or its stop, last.
     Time heard_at{};  ///< When the base last said anything of it, or it began.
-    bool stopped{};  ///< Stop() has ended it.
+    bool stopped{};   ///< Stop() has ended it.
   };
 
   void Send(Goal* goal);

@@ -89,7 +89,7 @@ class LcmCamera::Inbox {
   const Clock* clock_;
   const Duration patience_;
   const Duration max_apart_;
-  SenderTime sender_time_;    // these three of the link's thread
+  SenderTime sender_time_;  // these three of the link's thread
   std::uint64_t sequence_{};
   Time last_{};
   FrameMailbox mailbox_;
@@ -115,16 +115,16 @@ void LcmCameraConfig::Validate() const {
   }
 }
 
-LcmCamera::LcmCamera(const LcmCameraConfig& config, std::shared_ptr<LcmLink> link, const Clock* clock)
+LcmCamera::LcmCamera(const LcmCameraConfig& config, std::shared_ptr<LcmLink> link,
+                     const Clock* clock)
     : config_(config), link_(std::move(link)), clock_(clock) {
   config_.Validate();
   info_ = InfoOf(config_);
   inbox_ = std::make_shared<Inbox>(config_, info_, clock_);
   transport::Intake intake = IntakeOf(info_.model);
   intake.on_reject = [inbox = inbox_](const std::string& why) { inbox->Reject(why); };
-  link_->Listen(config_.channel, std::move(intake), [inbox = inbox_](const auto& message) {
-    inbox->Receive(message);
-  });
+  link_->Listen(config_.channel, std::move(intake),
+                [inbox = inbox_](const auto& message) { inbox->Receive(message); });
   if (!inbox_->Take(Seconds(config_.patience_seconds))) ThrowLost();
 }
 

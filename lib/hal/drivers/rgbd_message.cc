@@ -78,9 +78,9 @@ cv::Mat ReadDepth(const image_t& image, bool zipped, const CameraInfo& info) {
   // Known by its image type: senders write all sorts of things into its pixel format.
   Bytes inflated;
   if (zipped) inflated = Inflate(image.data, static_cast<std::size_t>(size.area()) * 2);
-  const cv::Mat millimetres =
-      zipped ? FromRows("depth", inflated, 0, size, CV_16UC1)
-             : FromRows("depth", image.data, image.row_stride, size, CV_16UC1);
+  const cv::Mat millimetres = zipped
+                                  ? FromRows("depth", inflated, 0, size, CV_16UC1)
+                                  : FromRows("depth", image.data, image.row_stride, size, CV_16UC1);
   cv::Mat depth(size, CV_32FC1);
   for (int v = 0; v < size.height; ++v) {
     const auto* row = millimetres.ptr<std::uint16_t>(v);
@@ -102,8 +102,8 @@ std::optional<cv::Size> JpegSize(const Bytes& bytes) {
   // SOF0 to SOF15, of which three numbers are used for other things.
   for (std::size_t at = 2; at + 9 <= bytes.size() && bytes[at] == 0xff;) {
     const int marker = bytes[at + 1];
-    const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 &&
-                       marker != 0xcc;
+    const bool frame =
+        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
     if (frame) return cv::Size(word(at + 7), word(at + 5));
     at += marker == 0xff ? 1 : 2 + static_cast<std::size_t>(word(at + 2));
   }
@@ -113,9 +113,9 @@ std::optional<cv::Size> JpegSize(const Bytes& bytes) {
 ReceivedImages ReadImages(const images_t& message, const CameraInfo& info, Duration max_apart) {
   int type = 0;
   const image_t* color = Find(message, {images_t::LEFT}, &type);
-  const image_t* depth =
-      info.has_depth ? Find(message, {images_t::DEPTH_MM, images_t::DEPTH_MM_ZIPPED}, &type)
-                     : nullptr;
+  const image_t* depth = info.has_depth
+                             ? Find(message, {images_t::DEPTH_MM, images_t::DEPTH_MM_ZIPPED}, &type)
+                             : nullptr;
   if (color == nullptr || (info.has_depth && depth == nullptr)) {
     Throw<ProtocolError>("no {} among its {} images: send colour as LEFT ({}) {} in one message",
                          color == nullptr ? "colour" : "depth", message.images.size(),
