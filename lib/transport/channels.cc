@@ -22,6 +22,16 @@ const std::vector<ChannelType>& Channels() {
   return channels;
 }
 
+const std::vector<ChannelType>& DeviceChannels() {
+  static const std::vector<ChannelType> channels{
+      {channel::kBaseGoal, "second_look.base_goal_t"},
+      {channel::kBaseCancel, "second_look.base_cancel_t"},
+      {channel::kBaseStatus, "second_look.base_status_t"},
+      {channel::kBasePose, "second_look.base_pose_t"},
+  };
+  return channels;
+}
+
 const std::vector<ChannelType>& RecordingChannels() {
   static const std::vector<ChannelType> channels{
       {channel::kRecMission, "second_look.rec_mission_t"},
@@ -41,7 +51,7 @@ const std::vector<ChannelType>& RecordingChannels() {
 }
 
 std::string_view TypeOn(std::string_view channel) {
-  for (const auto* channels : {&Channels(), &RecordingChannels()}) {
+  for (const auto* channels : {&Channels(), &DeviceChannels(), &RecordingChannels()}) {
     for (const ChannelType& c : *channels) {
       if (channel == c.channel) return c.type;
     }

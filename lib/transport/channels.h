@@ -22,6 +22,12 @@ inline constexpr const char* kTiming = "SECONDLOOK_TIMING";
 inline constexpr const char* kTask = "SECONDLOOK_TASK";        ///< In.
 inline constexpr const char* kCommand = "SECONDLOOK_COMMAND";  ///< In.
 
+// Between the driver of a base and what drives it (docs/real_robot.md).
+inline constexpr const char* kBaseGoal = "BASE_GOAL";      ///< Out.
+inline constexpr const char* kBaseCancel = "BASE_CANCEL";  ///< Out.
+inline constexpr const char* kBaseStatus = "BASE_STATUS";  ///< In.
+inline constexpr const char* kBasePose = "BASE_POSE";      ///< In.
+
 // What comes in at the devices, in a recording alone (docs/recording.md).
 inline constexpr const char* kRecMission = "REC_MISSION";
 inline constexpr const char* kRecClock = "REC_CLOCK";
@@ -49,10 +55,13 @@ struct ChannelType {
 /// All channels of the bus, those we listen to included.
 const std::vector<ChannelType>& Channels();
 
+/// The channels of devices.
+const std::vector<ChannelType>& DeviceChannels();
+
 /// The channels that are in a recording alone.
 const std::vector<ChannelType>& RecordingChannels();
 
-/// The type of what is on `channel`; empty for a channel of neither kind.
+/// The type of what is on `channel`; empty for a channel of no kind.
 std::string_view TypeOn(std::string_view channel);
 
 }  // namespace secondlook::transport

@@ -11,7 +11,6 @@
 
 #include "lib/common/error.h"
 #include "lib/transport/channels.h"
-#include "lib/transport/message_json.h"
 
 namespace secondlook::transport {
 namespace {
@@ -48,6 +47,14 @@ std::int64_t UtimeOf(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
+bool ReachesBeyondThisHost(std::string_view url) {
+  const std::size_t ttl = url.find("ttl=");
+  if (ttl == std::string_view::npos) return false;
+  const std::string_view value = url.substr(ttl + 4);
+  return value.substr(0, value.find_first_not_of("0123456789")).find_first_not_of('0') !=
+         std::string_view::npos;
+}
+
 void LcmBus::Destroy::operator()(_lcm_t* lcm) const { lcm_destroy(lcm); }
 
 LcmBus::LcmBus(const std::string& url) {
@@ -70,9 +77,14 @@ LcmBus::~LcmBus() = default;
 
 void LcmBus::Listen(const std::string& channel, Handler handler) {
   if (TypeOn(channel).empty()) Throw<InvalidArgument>("'{}' is no channel of ours", channel);
+  Listen(channel, Intake{std::string(TypeOn(channel)), {}}, std::move(handler));
+}
+
+void LcmBus::Listen(const std::string& channel, Intake intake, Handler handler) {
+  static_cast<void>(Schema::Messages().Of(intake.type));
   if (!lcm_) return;
-  Subscription& subscription =
-      subscriptions_.emplace_back(Subscription{this, channel, std::move(handler)});
+  Subscription& subscription = subscriptions_.emplace_back(
+      Subscription{this, channel, std::move(intake), std::move(handler)});
   const auto receive = [](const lcm_recv_buf_t* message, const char*, void* user) {
     const auto* to = static_cast<const Subscription*>(user);
     to->bus->Receive(*to, static_cast<const std::uint8_t*>(message->data), message->data_size);
@@ -85,7 +97,7 @@ void LcmBus::Listen(const std::string& channel, Handler handler) {
     lcm_.reset();
     return;
   }
-  lcm_subscription_set_queue_capacity(taken, kQueue);
+  lcm_subscription_set_queue_capacity(taken, subscription.intake.queue);
 }
 
 bool LcmBus::Publish(const Message& message) {
@@ -111,10 +123,11 @@ void LcmBus::Receive(const Subscription& subscription, const std::uint8_t* data,
     ++counts_.received;
   }
   const std::span bytes(data, size);
-  Check(bytes, TypeOn(subscription.channel), Limits{});
+  Check(bytes, subscription.intake.type, subscription.intake.limits);
   subscription.handler({subscription.channel, UtimeOf(bytes), {bytes.begin(), bytes.end()}});
 } catch (const std::exception& error) {  // none may pass through LCM, which is C
   Reject(subscription.channel, error.what());
+  if (subscription.intake.on_reject) subscription.intake.on_reject(error.what());
 }
 
 void LcmBus::Reject(const std::string& channel, const std::string& why) {

@@ -6,8 +6,10 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 #include "lib/transport/message.h"
+#include "lib/transport/message_json.h"
 
 struct _lcm_t;
 
@@ -16,6 +18,9 @@ namespace secondlook::transport {
 /// This machine alone (ttl=0), with room for a burst of what comes in.
 inline constexpr const char* kDefaultLcmUrl =
     "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=8388608";
+
+/// True when what is sent to `url` leaves this machine: its ttl is not 0, which is LCM's default.
+bool ReachesBeyondThisHost(std::string_view url);
 
 /// What has gone over a bus so far.
 struct BusCounts {
@@ -26,18 +31,26 @@ struct BusCounts {
   std::string last_rejected;  ///< Its channel and why; empty: none was.
 };
 
+/// What is let in on a channel.
+struct Intake {
+  std::string type;  ///< As messages/ names it.
+  Limits limits;
+  int queue{1'000};  ///< LCM keeps at most so many messages until Handle() comes for them.
+  /// Is told why a message was rejected; may be empty.
+  std::function<void(const std::string& why)> on_reject{};
+};
+
 /// One LCM network: messages out, and in on the channels that are listened to. What comes in is
 /// checked against the schema and `Limits` before anybody sees it, so it can be given to lcm-gen's
 /// decoder.
 ///
-/// LCM keeps at most kQueue messages of a channel until Handle() comes for them; what it loses
-/// beyond that nobody can count.
+/// What LCM loses because a channel's queue is full nobody can count.
 /// Threading: Publish(), Reject() and counts() from any thread, the rest from one.
 class LcmBus {
  public:
   using Handler = std::function<void(const Message&)>;
 
-  static constexpr int kQueue = 1'000;
+  static constexpr int kQueue = 1'000;  ///< Of our own channels.
 
   /// @param url `udpm://ADDRESS:PORT?…`, or `memq://`: this object alone, for tests. LCM's other
   ///     providers can make their caller wait.
@@ -54,6 +67,10 @@ class LcmBus {
   /// Hands to `handler`, from Handle(), what comes in on `channel`, one of Channels(). An Error
   /// that `handler` throws rejects the message.
   void Listen(const std::string& channel, Handler handler);
+
+  /// Likewise what comes in on any `channel` and keeps to `intake`.
+  /// @throws InvalidArgument when there is no such type.
+  void Listen(const std::string& channel, Intake intake, Handler handler);
 
   /// False when it could not be sent.
   bool Publish(const Message& message);
@@ -73,6 +90,7 @@ class LcmBus {
   struct Subscription {
     LcmBus* bus{};
     std::string channel;
+    Intake intake;
     Handler handler;
   };
   struct Destroy {

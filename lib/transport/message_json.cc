@@ -167,11 +167,12 @@ class Reader {
       Throw<ProtocolError>("{}: '{}' would have {} values, more than the {} bytes left can hold",
                            type_, field_, n, Remaining());
     }
-    if (limits_ != nullptr && n > limits_->values) {
-      Throw<ProtocolError>("{}: '{}' has {} values, at most {} are taken", type_, field_, n,
-                           limits_->values);
+    const bool data = type == "byte" && inner.empty();
+    if (limits_ != nullptr && n > (data ? limits_->data : limits_->values)) {
+      Throw<ProtocolError>("{}: '{}' has {} {}, at most {} are taken", type_, field_, n,
+                           data ? "bytes" : "values", data ? limits_->data : limits_->values);
     }
-    if (type == "byte" && inner.empty()) return ToBase64(Take(n));
+    if (data) return ToBase64(Take(n));
     Json json = Json::array();
     for (std::int64_t i = 0; i < n; ++i) json.push_back(ReadArray(type, inner));
     return json;

@@ -27,6 +27,7 @@ void Check(std::span<const std::uint8_t> bytes, std::string_view type,
 struct Limits {
   std::size_t bytes = 100'000;      ///< In all.
   std::int64_t values = 1'000;      ///< In one list.
+  std::int64_t data = 1'000;        ///< Bytes in one `byte` array, e.g. of an image.
   std::int64_t characters = 1'000;  ///< In one text.
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -18,6 +19,7 @@ namespace secondlook::hal {
 namespace {
 
 constexpr double kArcSecondsPerCount = 185.1428;
+constexpr double kRadiansPerCount = kArcSecondsPerCount / 3600.0 * std::numbers::pi / 180.0;
 constexpr Duration kStep = Seconds(0.01);
 
 }  // namespace
@@ -49,8 +51,9 @@ void SteppedClock::WaitForOther(bool wait) {
   heard_.notify_all();
 }
 
-PtuEmulator::PtuEmulator(SteppedClock* clock, const std::filesystem::path& folder)
-    : clock_(clock), port_(folder / "ttyPTU") {
+PtuEmulator::PtuEmulator(const Clock* clock, SteppedClock* stepped,
+                         const std::filesystem::path& folder)
+    : clock_(clock), stepped_(stepped), port_(folder / "ttyPTU") {
   PlugIn();
   thread_ = std::thread([this] { Run(); });
 }
@@ -67,8 +70,21 @@ void PtuEmulator::Set(PtuFault fault) {
   if (fault == PtuFault::kUnplugged) Unplug();
   if (fault_ == PtuFault::kUnplugged && fault != fault_) PlugIn();
   fault_ = fault;
-  clock_->WaitForOther(fault == PtuFault::kNone || fault == PtuFault::kGarbage ||
-                       fault == PtuFault::kStuck);
+  if (stepped_ == nullptr) return;
+  stepped_->WaitForOther(fault == PtuFault::kNone || fault == PtuFault::kGarbage ||
+                         fault == PtuFault::kStuck);
+}
+
+PanTiltAngles PtuEmulator::target() const {
+  const std::scoped_lock lock(mutex_);
+  return {pan_.target * kRadiansPerCount, -tilt_.target * kRadiansPerCount};
+}
+
+void PtuEmulator::Place(const PanTiltAngles& angles) {
+  const std::scoped_lock lock(mutex_);
+  placed_ = true;
+  pan_.position = angles.pan / kRadiansPerCount;
+  tilt_.position = -angles.tilt / kRadiansPerCount;
 }
 
 std::string PtuEmulator::last_command() const {
@@ -129,7 +145,7 @@ void PtuEmulator::Run() {
       const std::string answer =
           fault_ == PtuFault::kSilent || fault_ == PtuFault::kTalks ? "" : echo + Answer(command);
       static_cast<void>(write(master_, answer.data(), answer.size()));
-      clock_->Heard();
+      if (stepped_ != nullptr) stepped_->Heard();
       command.clear();
     }
   }
@@ -139,7 +155,7 @@ void PtuEmulator::Move() {
   const Time now = clock_->Now();
   const double seconds = ToSeconds(now - moved_at_);
   moved_at_ = now;
-  if (fault_ == PtuFault::kStuck) return;
+  if (placed_ || fault_ == PtuFault::kStuck) return;
   for (Axis* axis : {&pan_, &tilt_}) {
     const double most = axis->speed * seconds;
     axis->position += std::clamp(axis->target - axis->position, -most, most);

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "lib/common/clock.h"
+#include "lib/hal/pan_tilt.h"
 
 namespace secondlook::hal {
 
@@ -48,7 +49,11 @@ enum class PtuFault {
 class PtuEmulator {
  public:
   /// @param clock By which it moves. @param folder Where its port appears, as a link.
-  PtuEmulator(SteppedClock* clock, const std::filesystem::path& folder);
+  PtuEmulator(SteppedClock* clock, const std::filesystem::path& folder)
+      : PtuEmulator(clock, clock, folder) {}
+  /// Likewise, by a clock that waits for nobody.
+  PtuEmulator(const Clock* clock, const std::filesystem::path& folder)
+      : PtuEmulator(clock, nullptr, folder) {}
   ~PtuEmulator();
 
   std::string port() const { return port_.string(); }
@@ -56,7 +61,14 @@ class PtuEmulator {
   /// What it was told last that was no question, e.g. "pp-500", "h".
   std::string last_command() const;
 
+  /// Where it was told to go.
+  PanTiltAngles target() const;
+  /// It is at `angles` now, and moves no more by itself.
+  void Place(const PanTiltAngles& angles);
+
  private:
+  PtuEmulator(const Clock* clock, SteppedClock* stepped, const std::filesystem::path& folder);
+
   struct Axis {
     double position{};
     double target{};
@@ -72,7 +84,8 @@ class PtuEmulator {
   std::string Number(const std::string& words, double value) const;
   Axis* AxisOf(char name) { return name == 'p' ? &pan_ : name == 't' ? &tilt_ : nullptr; }
 
-  SteppedClock* clock_;
+  const Clock* clock_;
+  SteppedClock* stepped_;  // null: nobody waits for what is heard
   std::filesystem::path port_;
   mutable std::mutex mutex_;
   int master_{-1};
@@ -83,6 +96,7 @@ class PtuEmulator {
   Axis pan_{0, 0, 1000, -3090, 3090};  // +-159 deg at 185.1428 arc seconds
   Axis tilt_{0, 0, 1000, -907, 604};   // -46.6 to 31 deg
   Time moved_at_{};
+  bool placed_{};
   std::string last_command_;
   std::atomic<bool> quit_{false};
   std::thread thread_;

@@ -53,6 +53,31 @@ TEST(LcmBus, HandsOnWhatComesInAsItWasSent) {
   EXPECT_EQ(in.bus.counts().rejected, 0);
 }
 
+TEST(LcmBus, KnowsWhichUrlsReachBeyondThisHost) {
+  EXPECT_FALSE(ReachesBeyondThisHost(kDefaultLcmUrl));
+  EXPECT_FALSE(ReachesBeyondThisHost("udpm://239.255.76.67:7667"));
+  EXPECT_FALSE(ReachesBeyondThisHost("memq://"));
+  EXPECT_FALSE(ReachesBeyondThisHost("udpm://239.255.76.67:7667?ttl=00&recv_buf_size=1"));
+  EXPECT_TRUE(ReachesBeyondThisHost("udpm://239.255.76.67:7667?ttl=1"));
+  EXPECT_TRUE(ReachesBeyondThisHost("udpm://239.255.76.67:7667?recv_buf_size=1&ttl=10"));
+}
+
+TEST(LcmBus, HoldsAnyChannelToTheLimitsThatWereSetForIt) {
+  LcmBus bus("memq://");
+  int heard = 0;
+  std::string rejected;
+  Intake intake{"second_look.command_t", {}};
+  intake.limits.characters = 3;
+  intake.on_reject = [&](const std::string& why) { rejected = why; };
+  bus.Listen("ANY", intake, [&](const Message&) { ++heard; });
+  bus.Publish(Pack("ANY", MakeStop()));
+  bus.Handle();
+  EXPECT_EQ(heard, 0);
+  EXPECT_NE(rejected.find("'reason' has 6 characters, at most 3 are taken"), std::string::npos);
+  EXPECT_EQ(bus.counts().rejected, 1);
+  EXPECT_THROWS(bus.Listen("ANY", {"second_look.none_t", {}}, {}), InvalidArgument, "none_t");
+}
+
 TEST(LcmBus, HandsNothingOnBeforeItIsAskedTo) {
   ListeningBus in;
   in.bus.Publish(Pack(channel::kCommand, MakeStop()));
