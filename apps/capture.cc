@@ -43,21 +43,22 @@ void Capturer::Poll() {
   while (arm_states_.front().time < arm_states_.back().time - kKeep) arm_states_.pop_front();
 }
 
-std::optional<Capture> Capturer::Take(Duration timeout) {
+std::optional<Capture> Capturer::Take(Duration timeout, world::LookWay way) {
+  hal::Camera& camera = way == world::LookWay::kArm ? *robot_->hand_camera : *robot_->head_camera;
   // Standing still from before the frame to after it, so that both histories cover its time.
   Poll();
   robot_->clock->SleepUntil(robot_->clock->Now() + kSettle);
   Poll();
   const Time begin = robot_->clock->Now();
   // Frames from before the last motion ended may still have been waiting, but not for ever.
-  std::optional<hal::RgbdFrame> frame = robot_->head_camera->Grab(timeout);
+  std::optional<hal::RgbdFrame> frame = camera.Grab(timeout);
   for (int i = 0; i < kMaxStale && frame && frame->time < begin - kSettle; ++i) {
-    frame = robot_->head_camera->Grab(timeout);
+    frame = camera.Grab(timeout);
   }
   if (frame && frame->time < begin - kSettle) {
     Throw<DeviceError>(
         "camera '{}': its newest frame is {:.3f} s old; check its clock and its time stamps",
-        robot_->head_camera->info().name, ToSeconds(robot_->clock->Now() - frame->time));
+        camera.info().name, ToSeconds(robot_->clock->Now() - frame->time));
   }
   if (!frame) return std::nullopt;
   const Time now = robot_->clock->Now();
@@ -65,11 +66,11 @@ std::optional<Capture> Capturer::Take(Duration timeout) {
     Throw<DeviceError>(
         "camera '{}': its newest frame is stamped {:.3f} s ahead of the robot's clock; check its "
         "clock and its time stamps",
-        robot_->head_camera->info().name, ToSeconds(frame->time - now));
+        camera.info().name, ToSeconds(frame->time - now));
   }
   robot_->clock->SleepUntil(frame->time + kSettle);
   Poll();
-  return At(*frame);
+  return At(*frame, camera.info(), way);
 }
 
 Eigen::VectorXd Capturer::ArmAt(Time time) const {
@@ -88,13 +89,15 @@ Eigen::VectorXd Capturer::ArmAt(Time time) const {
 
 /// The capture of `frame`: a frame from a time when the robot's pose is not known is the fault of
 /// somebody's clock.
-Capture Capturer::At(const hal::RgbdFrame& frame) const try {
+Capture Capturer::At(const hal::RgbdFrame& frame, const hal::CameraInfo& camera,
+                     world::LookWay way) const try {
   const Pose X_WB = X_WB_.At(frame.time);
-  const Pose X_WC = X_WB * X_BC_.At(frame.time);
-  Capture capture{frame, robot_->head_camera->info().model, X_WC,
-                  X_WB.translation() - X_WC.translation()};
+  const Pose X_BC =
+      way == world::LookWay::kArm ? CameraInBase(*hand_, ArmAt(frame.time)) : X_BC_.At(frame.time);
+  const Pose X_WC = X_WB * X_BC;
+  Capture capture{camera.name, frame, camera.model, X_WC, X_WB.translation() - X_WC.translation()};
   if (hand_) {
-    const Pose X_CB = X_BC_.At(frame.time).inverse();
+    const Pose X_CB = X_BC.inverse();
     std::vector<geometry::PlacedShape> body_C = hand_->arm.Body(ArmAt(frame.time));
     for (geometry::PlacedShape& part : body_C) part.X_AS = X_CB * part.X_AS;
     capture.frame.depth =
@@ -103,9 +106,9 @@ Capture Capturer::At(const hal::RgbdFrame& frame) const try {
   return capture;
 } catch (const InvalidArgument& error) {
   Throw<DeviceError>(
-      "camera '{}': no pose for its frame {}: {}; check that camera, base and head stamp with one "
-      "clock",
-      robot_->head_camera->info().name, frame.sequence, error.what());
+      "camera '{}': no pose for its frame {}: {}; check that camera, base, head and arm stamp with "
+      "one clock",
+      camera.name, frame.sequence, error.what());
 }
 
 }  // namespace secondlook::apps

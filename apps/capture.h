@@ -2,16 +2,19 @@
 
 #include <deque>
 #include <optional>
+#include <string>
 
 #include "lib/common/pose_history.h"
 #include "lib/hal/robot.h"
 #include "lib/kinematics/eye_in_hand.h"
 #include "lib/kinematics/head.h"
+#include "lib/world/look.h"
 
 namespace secondlook::apps {
 
 /// A frame and where it was taken from.
 struct Capture {
+  std::string camera_name;
   hal::RgbdFrame frame;
   hal::CameraModel camera;
   Pose X_WC{Pose::Identity()};  ///< At the frame's time, as localisation and encoders say.
@@ -22,9 +25,9 @@ struct Capture {
 /// @param depth [height, width] CV_32FC1, z_C [m]; NaN = none.
 double ShareWithDepth(const cv::Mat& depth);
 
-/// Takes frames with the camera on the head and finds the camera's pose at the time of measurement
-/// from the histories of base and head. Of a robot with an arm, what a frame shows of the robot's
-/// own body is no measurement.
+/// Takes frames with the camera on the head or in the hand and finds the camera's pose at the time
+/// of measurement from the histories of base, head and arm. Of a robot with an arm, what a frame
+/// shows of the robot's own body is no measurement.
 class Capturer {
  public:
   /// `robot` must outlive this.
@@ -36,13 +39,14 @@ class Capturer {
   /// Notes where base, head and arm are now. To be called often while they move.
   void Poll();
 
-  /// The next frame taken from now on, waiting up to `timeout`; empty when none came.
+  /// The next frame that the camera of that way takes from now on, waiting up to `timeout`; empty
+  /// when none came. @pre the arm is known, for the hand's.
   /// @throws DeviceError when a device is lost, or when the camera's stamps and those of base, head
   /// and arm do not fit together.
-  std::optional<Capture> Take(Duration timeout);
+  std::optional<Capture> Take(Duration timeout, world::LookWay way = world::LookWay::kHead);
 
  private:
-  Capture At(const hal::RgbdFrame& frame) const;
+  Capture At(const hal::RgbdFrame& frame, const hal::CameraInfo& camera, world::LookWay way) const;
   /// The joint angles at `time`. @throws InvalidArgument when they are not known.
   Eigen::VectorXd ArmAt(Time time) const;
 

@@ -1,6 +1,7 @@
 #include "apps/drive.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "lib/common/error.h"
 
@@ -14,6 +15,10 @@ using Kind = DriveOutcome::Kind;
 constexpr Duration kPoll = Seconds(0.05);
 /// Every so many polls it is told how far the motion is.
 constexpr int kPollsPerTelling = 5;
+
+/// What hal::Base calls reached.
+constexpr double kReached_m = 0.1;
+constexpr double kReached_rad = 5.0 * std::numbers::pi / 180.0;
 
 /// A motion of one device.
 struct Motion {
@@ -63,18 +68,40 @@ DriveOutcome Complete(const Motion& motion, Duration limit, const StopRequest& s
   }
 }
 
+/// Why the base, which says that it has reached `goal_W`, is not there; empty when it is.
+std::string Missed(const Pose2& goal_W, hal::Base& base) {
+  const Pose2 X_WB = base.State().X_WB;
+  const double off = std::hypot(X_WB.x - goal_W.x, X_WB.y - goal_W.y);
+  const double turned = std::abs(WrapAngle(X_WB.yaw - goal_W.yaw));
+  if (off <= kReached_m && turned <= kReached_rad) return "";
+  return fmt::format(
+      "{}: says it has reached its goal, but localisation sees it {:.2f} m and {:.1f} deg away",
+      base.info().name, off, turned * 180.0 / std::numbers::pi);
+}
+
 }  // namespace
 
 DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, const MotionListener& moving,
                     hal::Robot* robot, Capturer* capturer) try {
   const Duration limit = Seconds(3.0 * look.seconds + 15.0);
   DriveOutcome outcome;
+  if (!look.arm_motion.knots.empty()) {
+    const Motion reach{robot->arm->info().name, [&] { robot->arm->Start(look.arm_motion); },
+                       [&] { return robot->arm->Status(); }};
+    outcome = Complete(reach, limit, stop, moving, robot, capturer);
+    if (outcome.kind != Kind::kReached || look.way == world::LookWay::kArm) return outcome;
+  }
   if (!look.path_W.empty()) {
     const Motion drive{robot->base->info().name, [&] { robot->base->Start({look.path_W}); },
                        [&] { return robot->base->Status(); }};
     outcome = Complete(drive, limit, stop, moving, robot, capturer);
     outcome.base_failed = outcome.kind == Kind::kFailed;
     if (outcome.kind != Kind::kReached) return outcome;
+    outcome.reason = Missed(look.path_W.back(), *robot->base);
+    if (!outcome.reason.empty()) {
+      outcome.kind = Kind::kFailed;
+      return outcome;
+    }
   }
   const Motion turn{robot->head->info().name, [&] { robot->head->Start(look.head); },
                     [&] { return robot->head->Status(); }};

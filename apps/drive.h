@@ -15,7 +15,7 @@ struct DriveOutcome {
   Kind kind{Kind::kReached};
   std::string reason;  ///< Why it failed or stopped, with values; empty when reached.
   double metres{};     ///< Driven, by localisation.
-  bool base_failed{};  ///< It was the base that failed, not the head.
+  bool base_failed{};  ///< It was the base that failed, not arm or head.
 };
 
 /// Asked often while the robot moves: true when it is to stop.
@@ -24,9 +24,10 @@ using StopRequest = std::function<bool()>;
 /// Told often while the robot moves: the metres driven so far.
 using MotionListener = std::function<void(double metres)>;
 
-/// Moves the base along `look.path_W` (not at all when that is empty), then the head to
-/// `look.head`, and waits until both stand still. When `stop` says so, or a motion takes three
-/// times as long as planned plus 15 s, everything is stopped.
+/// Moves the arm along `look.arm_motion`, then, unless the look is the arm's, the base along
+/// `look.path_W` and the head to `look.head`, and waits until all stand still. What is empty does
+/// not move. A base that is not where it says it has got to has failed. When `stop` says so, or a
+/// motion takes three times as long as planned plus 15 s, everything is stopped.
 /// @throws DeviceError when a device is lost. Whatever is thrown, everything that can be is stopped
 /// before.
 DriveOutcome MoveTo(const world::Look& look, const StopRequest& stop, const MotionListener& moving,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "lib/fusion/dempster_shafer.h"
@@ -13,6 +14,7 @@ namespace secondlook::apps {
 namespace {
 
 using Eigen::Vector3d;
+using world::LookWay;
 using world::ObjectBelief;
 
 /// Hypotheses with less than this share of the best one's support do not guide a look …
@@ -22,6 +24,8 @@ constexpr double kMinSupport = 0.15;
 constexpr std::size_t kMaxHypotheses = 4;
 /// Of so many looks, the best for their own sake, it is asked what else they show.
 constexpr std::size_t kLooksBeside = 8;
+/// Nothing is thinner than this [m].
+constexpr double kThinnest = 0.005;
 
 /// The probabilities of hypotheses of one object: what is believed of each class, shared among its
 /// poses by how far the views prefer one to the other. What is missing to 1 is left for others.
@@ -37,6 +41,13 @@ std::vector<double> Probabilities(const ObjectBelief& object,
     shares.push_back(fusion::NormalisedBelief(object.masses, h->model) / odds);
   }
   return shares;
+}
+
+/// `box` with edges that a ray can meet: what lies flat may have been measured without any height.
+Eigen::AlignedBox3d WithBody(const Eigen::AlignedBox3d& box) {
+  if (box.sizes().minCoeff() >= kThinnest) return box;
+  const Vector3d half = 0.5 * box.sizes().cwiseMax(kThinnest);
+  return {box.center() - half, box.center() + half};
 }
 
 }  // namespace
@@ -56,9 +67,7 @@ LookPlanner::LookPlanner(const LookConfig& config, const UnderstandingConfig& un
       conclude_(understanding.conclude),
       registration_(understanding.registration),
       carrier_(std::move(carrier)) {
-  config_.cost_map.Validate();
-  config_.views.Validate();
-  config_.aspect_graph.Validate();
+  config_.Validate();
 }
 
 std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene,
@@ -70,7 +79,8 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
   for (const Vector3d& corner : plane_W.corners_A) center_W += corner / 4.0;
   planning::CostMap map(scene.space(), supports_W, carrier_.base, center_W.head<2>(),
                         config_.cost_map);
-  for (const Eigen::Vector2d& p : blocked_W_) map.Block(p, config_.blocked_radius_m);
+  std::erase_if(blocked_, [&](const Blocked& blocked) { return blocked.until <= stance.time; });
+  for (const Blocked& blocked : blocked_) map.Block(blocked.p_W, config_.blocked_radius_m);
   const planning::CollisionChecker collision(scene.space(), supports_W, carrier_.base,
                                              config_.cost_map);
   const planning::Routes routes(map, stance.X_WB, carrier_.base);
@@ -81,12 +91,17 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
     targets.push_back(TargetFor(scene, task, *object));
   for (const auto& box_W : question.hidden_W) targets.push_back(TargetFor(scene, box_W));
 
-  const bool by_loss = planning::ParseLookStrategy(config_.aspect_graph.strategy) ==
-                       planning::LookStrategy::kExpectedLoss;
   const planning::CommonGround ground(scene.reference().Points(), registration_);
+  std::optional<planning::ArmCollision> around_arm;
+  if (arm_ && !targets.empty()) around_arm = arm_->CollisionAt(stance, scene.space(), supports_W);
+  const hal::JointTrajectory folding = arm_ ? arm_->Folding(stance.q) : hal::JointTrajectory{};
   std::vector<world::Look> looks;
   std::vector<int> target_of;  // one a look
   for (int t = 0; t < static_cast<int>(targets.size()); ++t) {
+    const auto add = [&](std::vector<world::Look> scored) {
+      target_of.resize(target_of.size() + scored.size(), t);
+      std::move(scored.begin(), scored.end(), std::back_inserter(looks));
+    };
     const int id = targets[t].id;
     const Eigen::AlignedBox3d& box_W = targets[t].box_W;
     std::vector<world::Look> views =
@@ -94,31 +109,53 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
     for (world::Look& view : planning::PlacedViews(box_W, id, carrier_, reach, config_.views)) {
       views.push_back(std::move(view));
     }
-    planning::AspectGraph graph =
-        planning::ScoreAspectGraph(scene.space(), carrier_.camera.model, targets[t],
-                                   std::move(views), rng, config_.aspect_graph);
-    for (world::Look& look : graph.looks) {
-      look.kind = targets[t].id < 0 ? "hidden_space" : "aspect_graph";
-      if (by_loss && look.feasible) WeighByCommonGround(ground, &look);
-      looks.push_back(std::move(look));
-      target_of.push_back(t);
+    for (world::Look& view : views) {
+      view.arm_motion = folding;
+      view.seconds += folding.seconds();
     }
+    add(Score(scene, targets[t], ground, LookWay::kHead, std::move(views), rng));
+    if (!arm_) continue;
+    add(Score(scene, targets[t], ground, LookWay::kArm,
+              arm_->Views(box_W.center(), id, stance, *around_arm), rng));
   }
-  if (by_loss) AddGainsBeside(scene.space(), ground, targets, target_of, &looks);
+  if (ByLoss()) AddGainsBeside(scene.space(), ground, targets, target_of, &looks);
   return looks;
+}
+
+bool LookPlanner::ByLoss() const {
+  return planning::ParseLookStrategy(config_.aspect_graph.strategy) ==
+         planning::LookStrategy::kExpectedLoss;
+}
+
+const hal::CameraInfo& LookPlanner::CameraOf(LookWay way) const {
+  return way == LookWay::kArm ? arm_->camera() : carrier_.camera;
+}
+
+/// The views of one target that are all reached in one way, scored.
+std::vector<world::Look> LookPlanner::Score(const SceneUnderstanding& scene,
+                                            const planning::AspectTarget& target,
+                                            const planning::CommonGround& ground, LookWay way,
+                                            std::vector<world::Look> views, Rng* rng) const {
+  planning::AspectGraph graph = planning::ScoreAspectGraph(
+      scene.space(), CameraOf(way).model, target, std::move(views), rng, config_.aspect_graph);
+  for (world::Look& look : graph.looks) {
+    look.kind = target.id < 0 ? "hidden_space" : "aspect_graph";
+    if (ByLoss() && look.feasible) WeighByCommonGround(ground, &look);
+  }
+  return std::move(graph.looks);
 }
 
 /// A view that cannot be registered to the map brings nothing.
 void LookPlanner::WeighByCommonGround(const planning::CommonGround& ground,
                                       world::Look* look) const {
-  const double chance = ground.Chance(look->X_WC, carrier_.camera);
+  const double chance = ground.Chance(look->X_WC, CameraOf(look->way));
   if (chance == 1.0) return;
   look->checks.push_back(
       {"common ground", true,
        fmt::format("{:.0f} pairs with the map of the {} that registration wants: "
                    "gain {:.3g} with a chance of {:.2f}",
-                   ground.Pairs(look->X_WC, carrier_.camera), registration_.min_pairs, look->gain,
-                   chance)});
+                   ground.Pairs(look->X_WC, CameraOf(look->way)), registration_.min_pairs,
+                   look->gain, chance)});
   look->gain *= chance;
   look->score *= chance;
 }
@@ -140,23 +177,28 @@ void LookPlanner::AddGainsBeside(const world::VoxelSpace& space,
   planning::AspectGraphConfig config = config_.aspect_graph;
   config.look_ahead.firsts = 0;
   Rng unused(0);
+  std::vector<LookWay> ways{LookWay::kHead};
+  if (arm_) ways.push_back(LookWay::kArm);
   std::vector<double> beside(best.size(), 0.0);
   for (int t = 0; t < static_cast<int>(targets.size()); ++t) {
-    std::vector<world::Look> seen;
-    for (const int i : best) {
-      seen.push_back((*looks)[i]);
-      seen.back().feasible = target_of[i] != t;
-    }
-    const planning::AspectGraph graph = planning::ScoreAspectGraph(
-        space, carrier_.camera.model, targets[t], std::move(seen), &unused, config);
-    for (std::size_t k = 0; k < best.size(); ++k) {
-      if (target_of[best[k]] != t) beside[k] += graph.looks[k].gain;
+    for (const LookWay way : ways) {
+      const auto counts = [&](int i) { return target_of[i] != t && (*looks)[i].way == way; };
+      std::vector<world::Look> seen;
+      for (const int i : best) {
+        seen.push_back((*looks)[i]);
+        seen.back().feasible = counts(i);
+      }
+      const planning::AspectGraph graph = planning::ScoreAspectGraph(
+          space, CameraOf(way).model, targets[t], std::move(seen), &unused, config);
+      for (std::size_t k = 0; k < best.size(); ++k) {
+        if (counts(best[k])) beside[k] += graph.looks[k].gain;
+      }
     }
   }
   for (std::size_t k = 0; k < best.size(); ++k) {
     if (!(beside[k] > 0.0)) continue;
     world::Look& look = (*looks)[best[k]];
-    beside[k] *= ground.Chance(look.X_WC, carrier_.camera);
+    beside[k] *= ground.Chance(look.X_WC, CameraOf(look.way));
     look.checks.push_back({"sees beside", true,
                            fmt::format("gain {:.3g} at the target and {:.3g} at other things",
                                        look.gain, beside[k])});
@@ -189,6 +231,7 @@ planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
         {&model->mesh, &CasterOf(*model), h.X_WM, std::min(beliefs[i], needed), needed});
     target.box_W.extend(PlacedBox(model->mesh, h.X_WM));
   }
+  target.box_W = WithBody(target.box_W);
   for (const world::Sighting& sighting : object.sightings) {
     const Pose& X_WC = scene.belief().views[sighting.view].X_WC;
     target.seen_from_W.push_back((X_WC.translation() - object.extent_W.center()).normalized());
@@ -202,7 +245,7 @@ planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
 planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
                                               const Eigen::AlignedBox3d& hidden_W) const {
   planning::AspectTarget target;
-  target.box_W = hidden_W;
+  target.box_W = WithBody(hidden_W);
   for (const world::Observation& view : scene.belief().views) {
     target.seen_from_W.push_back((view.X_WC.translation() - hidden_W.center()).normalized());
   }

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "apps/arm_looks.h"
 #include "apps/mission_config.h"
 #include "apps/scene_understanding.h"
 #include "lib/common/rng.h"
@@ -21,12 +24,6 @@
 #include "lib/world/task.h"
 
 namespace secondlook::apps {
-
-/// Where the robot stands, as it believes.
-struct Stance {
-  Pose2 X_WB;
-  hal::PanTiltAngles head;
-};
 
 /// The box in W around the model's own box at X_WM.
 Eigen::AlignedBox3d PlacedBox(const geometry::Mesh& mesh, const Pose& X_WM);
@@ -48,8 +45,19 @@ class LookPlanner {
   LookPlanner(const LookConfig& config, const UnderstandingConfig& understanding,
               planning::CameraCarrier carrier);
 
-  /// Something stands around this point of the floor that the map does not show.
-  void Block(const Eigen::Vector2d& p_W) { blocked_W_.push_back(p_W); }
+  /// Looks by this arm are offered beside the others from now on.
+  void KnowArm(ArmLooks arm) { arm_.emplace(std::move(arm)); }
+
+  /// The arm has set out along `motion` and stands at `q` [rad]. @pre it is known.
+  void NoteArm(const hal::JointTrajectory& motion, const Eigen::VectorXd& q) {
+    arm_->Follow(motion, q);
+  }
+
+  /// At `now` something stands around this point of the floor that the map does not show. It may
+  /// move on, so it is forgotten in a while; what still stands there then stops the base again.
+  void Block(const Eigen::Vector2d& p_W, Time now) {
+    blocked_.push_back({p_W, now + Seconds(config_.blocked_seconds)});
+  }
 
   /// The view from this point taught nothing.
   void NoteVain(const Eigen::Vector3d& p_WC) { vain_views_W_.push_back(p_WC); }
@@ -61,10 +69,21 @@ class LookPlanner {
                                       const Question& question, const Stance& stance, Rng* rng);
 
  private:
+  struct Blocked {
+    Eigen::Vector2d p_W;
+    Time until;
+  };
+
   planning::AspectTarget TargetFor(const SceneUnderstanding& scene, const world::Task& task,
                                    const world::ObjectBelief& object);
   planning::AspectTarget TargetFor(const SceneUnderstanding& scene,
                                    const Eigen::AlignedBox3d& hidden_W) const;
+  bool ByLoss() const;
+  const hal::CameraInfo& CameraOf(world::LookWay way) const;
+  std::vector<world::Look> Score(const SceneUnderstanding& scene,
+                                 const planning::AspectTarget& target,
+                                 const planning::CommonGround& ground, world::LookWay way,
+                                 std::vector<world::Look> views, Rng* rng) const;
   void WeighByCommonGround(const planning::CommonGround& ground, world::Look* look) const;
   void AddGainsBeside(const world::VoxelSpace& space, const planning::CommonGround& ground,
                       const std::vector<planning::AspectTarget>& targets,
@@ -75,8 +94,9 @@ class LookPlanner {
   fusion::ConcludeConfig conclude_;
   perception::RegisterConfig registration_;
   planning::CameraCarrier carrier_;
+  std::optional<ArmLooks> arm_;
   std::map<std::string, geometry::RayCaster> ray_casters_;  // by name of the model
-  std::vector<Eigen::Vector2d> blocked_W_;
+  std::vector<Blocked> blocked_;
   std::vector<Eigen::Vector3d> vain_views_W_;
 };
 

@@ -35,6 +35,10 @@ constexpr std::array<hal::PanTiltAngles, 9> kSearch{{{0.0, 0.35},
 
 /// A belief below this is none.
 constexpr double kNegligible = 0.02;
+/// A base that has driven less has not set out [m].
+constexpr double kSetOut = 0.05;
+/// One that looks so nearly towards its first waypoint has turned to it [rad].
+constexpr double kTurnedTo = 0.2;
 /// So many looks at hidden space that never got there are enough.
 constexpr int kMaxVain = 3;
 
@@ -62,6 +66,7 @@ Mission::Mission(const MissionConfig& config, const world::Task& task,
       publisher_(publisher),
       calibration_(calibration),
       stop_(std::move(stop)),
+      seed_(seed),
       rng_(ForkSeed(seed, "mission")),
       capturer_(robot, calibration),
       scene_(config.understanding, task, database),
@@ -99,12 +104,40 @@ std::optional<TakenLook> Mission::Plan() {
   return Choose(WhatIsOpen());
 }
 
+void Mission::KnowArm(const kinematics::EyeInHand& hand) {
+  capturer_.KnowArm(hand);
+  const hal::CameraInfo& camera = robot_->hand_camera->info();
+  if (!camera.has_depth) {
+    spdlog::warn(
+        "camera '{}' measures no depth, so that its views cannot add to the map: arm '{}' "
+        "stays where it is",
+        camera.name, robot_->arm->info().name);
+    return;
+  }
+  planner_.KnowArm({config_.looks.arm,
+                    {robot_->base->info(), robot_->arm->info(), camera, hand},
+                    robot_->arm->State().q,
+                    seed_});
+}
+
+Stance Mission::Standing() const {
+  Stance stance{robot_->base->State().X_WB, robot_->head->State().angles, {}};
+  if (robot_->arm) stance.q = robot_->arm->State().q;
+  stance.time = robot_->clock->Now();
+  return stance;
+}
+
+/// The camera of the next view.
+const hal::CameraInfo& Mission::Eye() const {
+  return (eye_ == world::LookWay::kArm ? robot_->hand_camera : robot_->head_camera)->info();
+}
+
 /// A frame, or nothing when asked to stop meanwhile.
 std::optional<Capture> Mission::Grab() {
   publisher_->Doing("grabbing", "waiting for a frame", robot_->clock->Now());
   for (int i = 0; i < config_.looks.frame_tries; ++i) {
     if (stop_()) return std::nullopt;
-    std::optional<Capture> capture = capturer_.Take(Seconds(config_.looks.frame_timeout_s));
+    std::optional<Capture> capture = capturer_.Take(Seconds(config_.looks.frame_timeout_s), eye_);
     if (!capture) continue;
     RequireDepth(*capture);
     return capture;
@@ -113,7 +146,7 @@ std::optional<Capture> Mission::Grab() {
   Throw<DeviceError>(
       "camera '{}': no frame in {} tries of {} s; check its cable and driver, or raise "
       "mission.looks.frame_timeout_s",
-      robot_->head_camera->info().name, config_.looks.frame_tries, config_.looks.frame_timeout_s);
+      Eye().name, config_.looks.frame_tries, config_.looks.frame_timeout_s);
 }
 
 /// One frame without any depth may be a wall right ahead; several are a fault of the camera.
@@ -124,7 +157,7 @@ void Mission::RequireDepth(const Capture& capture) {
   Throw<DeviceError>(
       "camera '{}': no usable depth in {} frames in a row; check its projector and driver, and "
       "that nothing covers it",
-      robot_->head_camera->info().name, blind_frames_);
+      Eye().name, blind_frames_);
 }
 
 void Mission::Understand(const Capture& capture) {
@@ -245,8 +278,7 @@ TakenLook Mission::ScoreLooks(const Question& question) {
   Charge(config_.looks.plan_seconds);
   const Stopwatch watch;
   TakenLook taken;
-  taken.candidates = planner_.Candidates(
-      scene_, task_, question, {robot_->base->State().X_WB, robot_->head->State().angles}, &rng_);
+  taken.candidates = planner_.Candidates(scene_, task_, question, Standing(), &rng_);
   const planning::LookChoice choice = planning::ChooseLook(&taken.candidates);
   if (choice.index) {
     taken.look = taken.candidates[*choice.index];
@@ -293,16 +325,15 @@ Progress Mission::Act(TakenLook taken) {
   record_.motion_seconds += SecondsSince(begin);
   record_.metres += outcome.metres;
   const bool reached = outcome.kind == DriveOutcome::Kind::kReached;
+  eye_ = reached ? look.way : world::LookWay::kHead;
+  if (!look.arm_motion.knots.empty()) planner_.NoteArm(look.arm_motion, robot_->arm->State().q);
   if (look.kind == "hidden_space") ++(reached ? explored_ : vain_);
-  taken.outcome = outcome.kind == DriveOutcome::Kind::kReached ? "reached" : outcome.reason;
+  taken.outcome = reached ? "reached" : outcome.reason;
   if (outcome.kind == DriveOutcome::Kind::kFailed) {
     spdlog::warn("look {}: {}", record_.looks.size() + 1, outcome.reason);
   }
   if (outcome.base_failed) {
-    // Something stands there that the map does not show: right ahead of where the base stopped.
-    const Pose2 X_WB = robot_->base->State().X_WB;
-    const double ahead = robot_->base->info().radius + config_.looks.blocked_radius_m;
-    planner_.Block({X_WB.x + ahead * std::cos(X_WB.yaw), X_WB.y + ahead * std::sin(X_WB.yaw)});
+    planner_.Block(WhatStopped(look, outcome), robot_->clock->Now());
   }
   record_.looks.push_back(std::move(taken));
   record_.total_seconds = SecondsSince(start_);
@@ -314,9 +345,23 @@ Progress Mission::Act(TakenLook taken) {
   return progress_;
 }
 
+/// The place that the base does not drive to, although nothing that the map shows is in its way:
+/// right ahead of where it stopped; its goal, when it has not even set out for it.
+Eigen::Vector2d Mission::WhatStopped(const world::Look& look, const DriveOutcome& outcome) const {
+  const Pose2 X_WB = robot_->base->State().X_WB;
+  const Pose2& first = look.path_W.front();
+  const double away = std::atan2(first.y - X_WB.y, first.x - X_WB.x) - X_WB.yaw;
+  const bool turned_to_it = std::abs(WrapAngle(away)) < kTurnedTo;
+  if (outcome.metres < kSetOut && !turned_to_it) {
+    return {look.path_W.back().x, look.path_W.back().y};
+  }
+  const double ahead = robot_->base->info().radius + config_.looks.blocked_radius_m;
+  return {X_WB.x + ahead * std::cos(X_WB.yaw), X_WB.y + ahead * std::sin(X_WB.yaw)};
+}
+
 /// The view, what is believed after it, and what it changed in the map.
 void Mission::TellView(const Capture& capture, const std::string& reason) {
-  publisher_->View(capture, robot_->head_camera->info().name, belief(), reason);
+  publisher_->View(capture, belief(), reason);
   if (!reason.empty()) return;
   publisher_->Belief(belief(), capture.frame.time);
   publisher_->Map(scene_.space(), capture.frame.time);

@@ -80,8 +80,10 @@ class Mission {
   std::optional<TakenLook> Plan();
 
   /// The robot has this arm: what a view shows of it, or of the rest of the robot, is no
-  /// measurement. To be called before the first step.
-  void KnowArm(const kinematics::EyeInHand& hand) { capturer_.KnowArm(hand); }
+  /// measurement, and it takes looks itself when the camera in its hand measures depth. To be
+  /// called before the first step, while it is folded.
+  /// @throws ConfigError when it is not within the cylinder that the base drives as.
+  void KnowArm(const kinematics::EyeInHand& hand);
 
   /// What is wanted from the next step on.
   /// @throws ConfigError when `task` is not valid or wants a class that is not in the database.
@@ -99,6 +101,8 @@ class Mission {
   const MissionRecord& record() const { return record_; }
 
  private:
+  Stance Standing() const;
+  const hal::CameraInfo& Eye() const;
   std::optional<Capture> Grab();
   void RequireDepth(const Capture& capture);
   void Understand(const Capture& capture);
@@ -110,6 +114,7 @@ class Mission {
   std::optional<TakenLook> Choose(const Question& question);
   std::optional<TakenLook> Overruled(std::optional<TakenLook> own);
   Progress Act(TakenLook look);
+  Eigen::Vector2d WhatStopped(const world::Look& look, const DriveOutcome& outcome) const;
   void End(Progress progress, std::string why);
   void Charge(double seconds);
   void TellView(const Capture& capture, const std::string& reason);
@@ -125,16 +130,18 @@ class Mission {
   kinematics::HeadCalibration calibration_;
   StopRequest stop_;
   LookChooser choose_;
+  std::uint64_t seed_;
   Rng rng_;
   Capturer capturer_;
   SceneUnderstanding scene_;
   LookPlanner planner_;
-  std::map<int, std::string> told_;  // last logged reason, by object
-  int blind_frames_{};               // without any depth, in a row
-  int searched_{};                   // head poses tried in vain
-  int explored_{};                   // looks at hidden space that got there
-  int vain_{};                       // … and that did not
-  std::vector<StageTime> stages_;    // of this step
+  std::map<int, std::string> told_;            // last logged reason, by object
+  world::LookWay eye_{world::LookWay::kHead};  // the camera of the next view
+  int blind_frames_{};                         // without any depth, in a row
+  int searched_{};                             // head poses tried in vain
+  int explored_{};                             // looks at hidden space that got there
+  int vain_{};                                 // … and that did not
+  std::vector<StageTime> stages_;              // of this step
   Time start_;
   Progress progress_{Progress::kMore};
   MissionRecord record_;

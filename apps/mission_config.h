@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/arm_looks.h"
 #include "lib/common/error.h"
 #include "lib/fusion/conclude.h"
 #include "lib/perception/recognise.h"
@@ -56,7 +57,11 @@ struct UnderstandingConfig {
 
   /// @throws ConfigError naming the value.
   void Validate() const {
+    segment.Validate();
+    registration.Validate();
     recognise.Validate();
+    conclude.Validate();
+    voxel_space.Validate();
     RequireAtLeast("depth_stride", depth_stride, 1);
     RequireAtLeast("floor_clearance_m", floor_clearance_m, 0);
     RequireAtLeast("footprint_cell_m", footprint_cell_m, 0.001);
@@ -74,12 +79,14 @@ struct LookConfig {
   planning::ViewsConfig views;
   planning::AspectGraphConfig aspect_graph;
   planning::HiddenSpaceConfig hidden_space;
+  ArmLooksConfig arm;
   int per_object = 4;               ///< After so many for its sake an object is left open.
   int at_hidden_space = 3;          ///< Looks where something could stand unseen.
   double frame_timeout_s = 1.0;     ///< Waited for a frame …
   int frame_tries = 3;              ///< … so many times before the camera counts as lost; so many
                                     ///< frames in a row without depth count as that, too.
-  double blocked_radius_m = 0.25;   ///< Entered where the base was stopped by something unseen.
+  double blocked_radius_m = 0.25;   ///< Entered where the base was stopped by something unseen …
+  double blocked_seconds = 60.0;    ///< … for so long: it may have moved on.
   double understand_seconds = 1.0;  ///< What understanding a frame is charged in simulation.
   double plan_seconds = 0.5;        ///< What choosing a look is charged in simulation.
 
@@ -89,22 +96,30 @@ struct LookConfig {
     a->Visit("views", &views);
     a->Visit("aspect_graph", &aspect_graph);
     a->Visit("hidden_space", &hidden_space);
+    a->Visit("arm", &arm);
     a->Visit("per_object", &per_object);
     a->Visit("at_hidden_space", &at_hidden_space);
     a->Visit("frame_timeout_s", &frame_timeout_s);
     a->Visit("frame_tries", &frame_tries);
     a->Visit("blocked_radius_m", &blocked_radius_m);
+    a->Visit("blocked_seconds", &blocked_seconds);
     a->Visit("understand_seconds", &understand_seconds);
     a->Visit("plan_seconds", &plan_seconds);
   }
 
   /// @throws ConfigError naming the value.
   void Validate() const {
+    cost_map.Validate();
+    views.Validate();
+    aspect_graph.Validate();
+    hidden_space.Validate();
+    arm.Validate();
     RequireAtLeast("per_object", per_object, 0);
     RequireAtLeast("at_hidden_space", at_hidden_space, 0);
     RequireAtLeast("frame_timeout_s", frame_timeout_s, 0);
     RequireAtLeast("frame_tries", frame_tries, 1);
     RequireAtLeast("blocked_radius_m", blocked_radius_m, 0);
+    RequireAtLeast("blocked_seconds", blocked_seconds, 0);
     RequireAtLeast("understand_seconds", understand_seconds, 0);
     RequireAtLeast("plan_seconds", plan_seconds, 0);
   }

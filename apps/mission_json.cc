@@ -91,6 +91,7 @@ Json ToJson(const world::Look& look, int step, const std::string& outcome) {
   json["step"] = step;
   json["kind"] = look.kind;
   json["target"] = look.target;
+  json["way"] = ToString(look.way);
   json["reason"] = look.reason;
   json["chosen"] = look.chosen;
   json["score"] = look.score;

@@ -25,18 +25,13 @@ MissionLog::MissionLog(const std::filesystem::path& file, double part_mb)
 
 void MissionLog::Begin(const RunConfig& config, const world::ObjectDatabase& database,
                        bool plan_only, ReadyRobot* ready) {
-  if (ready->robot.arm) {
-    Throw<ConfigError>(
-        "{}: a robot with an arm cannot be recorded yet; leave out --log, or the arm",
-        file_.string());
-  }
   second_look::rec_mission_t mission{};
   mission.version = kVersion;
   mission.config = ToText(WithAbsolutePaths(config));
   mission.plan_only = plan_only ? 1 : 0;
   mission.models = ModelsOf(database);
   mission.num_models = static_cast<std::int32_t>(mission.models.size());
-  hal::Describe(ready->robot, ready->calibration, &mission);
+  hal::Describe(ready->robot, ready->calibration, ready->hand, &mission);
   recorder_.Begin(std::move(mission));
   ready->robot = hal::Tap(std::move(ready->robot), &recorder_);
 }

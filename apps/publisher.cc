@@ -62,8 +62,8 @@ void Publisher::Image(const hal::RgbdFrame& frame) {
   if (!Silent()) Post(channel::kImage, ToImages(frame, transport::kMaxMessageBytes));
 }
 
-void Publisher::View(const Capture& capture, const std::string& camera_name,
-                     const world::SceneBelief& belief, const std::string& reason) {
+void Publisher::View(const Capture& capture, const world::SceneBelief& belief,
+                     const std::string& reason) {
   if (Silent()) return;
   const bool learned = reason.empty();
   const int index = learned ? static_cast<int>(belief.views.size()) - 1 : -1;
@@ -73,7 +73,7 @@ void Publisher::View(const Capture& capture, const std::string& camera_name,
   view.index = index;
   view.sequence = static_cast<std::int64_t>(capture.frame.sequence);
   view.reason = reason;
-  view.camera = ToMessage(camera_name, capture.camera);
+  view.camera = ToMessage(capture.camera_name, capture.camera);
   view.X_WC_measured = ToMessage(capture.X_WC);
   view.X_WC = ToMessage(learned ? belief.views.back().X_WC : capture.X_WC);
   if (learned) view.detections = DetectionsOf(belief, index);
@@ -115,7 +115,8 @@ void Publisher::Candidates(const std::vector<world::Look>& looks, Time time) {
   second_look::candidates_t candidates{};
   candidates.utime = ToUtime(time);
   candidates.step = step_;
-  for (const world::Look& look : looks) {
+  for (world::Look look : looks) {
+    look.arm_motion.knots.clear();  // of hundreds, one is taken
     candidates.looks.push_back(ToMessage(look));
     candidates.looks.back().utime = candidates.utime;
     candidates.looks.back().step = step_;

@@ -51,8 +51,7 @@ class Publisher {
   /// The frame as it came.
   void Image(const hal::RgbdFrame& frame);
   /// What was understood of it: the newest view of `belief`, or nothing and `reason` why.
-  void View(const Capture& capture, const std::string& camera_name,
-            const world::SceneBelief& belief, const std::string& reason);
+  void View(const Capture& capture, const world::SceneBelief& belief, const std::string& reason);
   /// The support plane and the objects.
   void Belief(const world::SceneBelief& belief, Time time);
   /// What changed in the workspace of the map; nothing when it has none.

@@ -36,7 +36,16 @@ void Copy(const Eigen::Matrix<double, N, 1>& from, double (&to)[N]) {
 
 std::vector<double> ToList(const Pose2& X_AB) { return {X_AB.x, X_AB.y, X_AB.yaw}; }
 
-using apps::ToMessage;  // beside these two
+using apps::ToMessage;  // beside these
+
+second_look::joint_knot_t ToMessage(const hal::JointKnot& knot) {
+  second_look::joint_knot_t message{};
+  message.seconds = knot.seconds;
+  message.num_joints = static_cast<std::int32_t>(knot.q.size());
+  message.q.assign(knot.q.begin(), knot.q.end());
+  message.v.assign(knot.v.begin(), knot.v.end());
+  return message;
+}
 
 second_look::hypothesis_t ToMessage(const world::Hypothesis& hypothesis) {
   second_look::hypothesis_t message{};
@@ -233,6 +242,11 @@ second_look::look_t ToMessage(const world::Look& look) {
   second_look::look_t message{};
   message.kind = look.kind;
   message.target = look.target;
+  message.way = ToString(look.way);
+  for (const hal::JointKnot& knot : look.arm_motion.knots) {
+    message.arm_knots.push_back(ToMessage(knot));
+  }
+  message.num_arm_knots = static_cast<std::int32_t>(message.arm_knots.size());
   Copy<3>(Eigen::Vector3d(look.X_WB.x, look.X_WB.y, look.X_WB.yaw), message.X_WB);
   message.head[0] = look.head.pan;
   message.head[1] = look.head.tilt;
@@ -294,6 +308,12 @@ world::Look FromMessage(const second_look::look_t& message) {
   world::Look look;
   look.kind = message.kind;
   look.target = message.target;
+  look.way = world::ParseLookWay(message.way);
+  for (const second_look::joint_knot_t& knot : message.arm_knots) {
+    look.arm_motion.knots.push_back(
+        {knot.seconds, Eigen::Map<const Eigen::VectorXd>(knot.q.data(), std::ssize(knot.q)),
+         Eigen::Map<const Eigen::VectorXd>(knot.v.data(), std::ssize(knot.v))});
+  }
   look.X_WB = {message.X_WB[0], message.X_WB[1], message.X_WB[2]};
   look.head = {message.head[0], message.head[1]};
   look.X_WC.translation() = Eigen::Map<const Eigen::Vector3d>(message.X_WC.p);

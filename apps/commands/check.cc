@@ -15,6 +15,7 @@
 #include "lib/common/error.h"
 #include "lib/world/object_database.h"
 #include "sim/scene.h"
+#include "sim/standing_room.h"
 
 namespace secondlook::apps {
 namespace {
@@ -87,12 +88,15 @@ std::optional<world::ObjectDatabase> CheckModels(const std::string& folder, Chec
   return database;
 }
 
-/// @throws ConfigError for an object that is called known without being so.
+/// @throws ConfigError for an object that is called known without being so, or a start where there
+/// is no room.
 std::string CheckScene(const sim::SimConfig& config,
                        const std::optional<world::ObjectDatabase>& database) {
   const sim::Scene scene = sim::LoadScene(config.scene);
   scene.Validate();
-  for (const sim::PlacedObject& object : sim::PlaceObjects(scene)) {
+  const std::vector<sim::PlacedObject> objects = sim::PlaceObjects(scene);
+  sim::RequireStandingRoom(scene, objects);
+  for (const sim::PlacedObject& object : objects) {
     const bool missing = database && database->Find(object.name) == nullptr;
     if (object.role == sim::Role::kKnown && missing) {
       Throw<ConfigError>(

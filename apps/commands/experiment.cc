@@ -31,6 +31,8 @@ constexpr Experiment kExperiments[] = {
     {"occlusion", RunOcclusionExperiment, 200, 0},
     {"ambiguity", RunAmbiguityExperiment, 200, 0},
     {"rejection", RunRejectionExperiment, 200, 0},
+    {"reachability", RunReachabilityExperiment, 1000, 0},
+    {"moving-obstacles", RunMovingObstaclesExperiment, 200, 0},
 };
 
 /// The names of all, in words.

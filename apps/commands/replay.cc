@@ -120,6 +120,7 @@ class Replayed {
             config.mission, config.task, database_, recording.robot.calibration, config.seed,
             [this, follow] { return StopAsked(follow); }, &publisher_, &robot_),
         start_(DescribeStart(config, database_, robot_.clock->Now())) {
+    if (recording.robot.arm) mission_.KnowArm(recording.robot.arm->hand);
     if (follow) mission_.LetChoose(FollowLooks(recording, &check_));
   }
 

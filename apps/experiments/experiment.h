@@ -87,6 +87,11 @@ void RunAmbiguityExperiment(const ExperimentOptions& options);
 /// hypothesis, are called unknown, and true ones are not.
 /// @throws ConfigError without unfamiliar objects, too.
 void RunRejectionExperiment(const ExperimentOptions& options);
+/// Beside the paper: base poses that are accepted or refused from what was seen, held against the
+/// true meshes. A trial is a random scene, seen one to four times.
+void RunReachabilityExperiment(const ExperimentOptions& options);
+/// Beside the paper: whole missions among people who close the ways.
+void RunMovingObstaclesExperiment(const ExperimentOptions& options);
 /// One thing on a crowded table, of ten models, from its cluster alone. A trial is a table; the
 /// baseline is OpenCV's PPF3DDetector with its ICP on the same cluster.
 /// @throws ConfigError for a folder of models that cannot be read.

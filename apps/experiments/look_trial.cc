@@ -43,10 +43,12 @@ LookConfig ConfigOf(const std::string& chooser) {
 
 LookTrial::LookTrial(const sim::Scene& scene, int target, const SceneUnderstanding& blank,
                      const world::Task& task, std::uint64_t seed)
-    : target_(target), blank_(blank), task_(task), seed_(seed), camera_(scene, seed) {
-  const hal::Robot& robot = camera_.robot().robot;
-  carrier_ = {robot.base->info(), robot.head->info(), camera_.robot().calibration, camera_.info()};
-}
+    : target_(target),
+      blank_(blank),
+      task_(task),
+      seed_(seed),
+      camera_(scene, seed),
+      carrier_(CarrierOf(camera_)) {}
 
 Stance LookTrial::Facing(double azimuth, double distance) const {
   const Vector3d p_WO = object().X_WM * geometry::Bounds(object().mesh).center();
@@ -133,27 +135,10 @@ bool LookTrial::IsKnown() const {
   return perception::FindModel(blank_.models(), object().name) != nullptr;
 }
 
-/// What the robot sees when it believes to stand at `stance`.
-LookTrial::Sight LookTrial::Look(const Stance& stance) {
-  const sim::World& world = camera_.world();
-  const sim::NoiseConfig& noise = world.noise();
+/// Drawn from the place alone, so that all find the same there.
+Sight LookTrial::Look(const Stance& stance) {
   Rng rng(ForkSeed(seed_, KeyOf({stance})));
-  sim::WorldState truth;
-  truth.X_WB.x = stance.X_WB.x + rng.Gaussian(noise.localisation_sigma);
-  truth.X_WB.y = stance.X_WB.y + rng.Gaussian(noise.localisation_sigma);
-  truth.X_WB.yaw =
-      WrapAngle(stance.X_WB.yaw + rng.Gaussian(noise.localisation_sigma_deg * kDegree));
-  truth.head.pan = stance.head.pan + rng.Gaussian(noise.pan_tilt_sigma_deg * kDegree);
-  truth.head.tilt = stance.head.tilt + rng.Gaussian(noise.pan_tilt_sigma_deg * kDegree);
-  Sight sight;
-  sight.photo = camera_.Take(world.CameraPose(truth), &rng);
-  const Pose X_WB = ToPose(stance.X_WB);
-  sight.capture.frame = sight.photo.frame;
-  sight.capture.camera = camera_.info().model;
-  sight.capture.X_WC =
-      X_WB * kinematics::CameraInBase(carrier_.head, {stance.head.pan, stance.head.tilt});
-  sight.capture.p_CB_W = X_WB.translation() - sight.capture.X_WC.translation();
-  return sight;
+  return LookFrom(stance, &rng, &camera_);
 }
 
 Knowledge LookTrial::Extended(Knowledge knowledge, const Stance& stance) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/experiments/free_camera.h"
+#include "apps/experiments/sight.h"
 #include "apps/look_planner.h"
 #include "apps/scene_understanding.h"
 #include "lib/world/task.h"
@@ -83,11 +84,6 @@ class LookTrial {
   const sim::PlacedObject& object() const { return camera_.world().objects()[target_]; }
 
  private:
-  struct Sight {
-    Capture capture;
-    Photo photo;
-  };
-
   Sight Look(const Stance& stance);
   Knowledge Extended(Knowledge knowledge, const Stance& stance);
   const world::ObjectBelief* Target(const Knowledge& knowledge) const;

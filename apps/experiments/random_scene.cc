@@ -137,20 +137,22 @@ sim::Scene DrawScene(const Repertoire& repertoire, Rng* rng) {
       (WrapAngle(side + kPi) + rng->Uniform(-15.0, 15.0) * kPi / 180.0) * 180.0 / kPi;
 
   const int crates = rng->Index(3);
-  for (int i = 0; i < crates; ++i) {
-    sim::SceneBox crate;
-    crate.name = fmt::format("crate {}", i + 1);
-    crate.size = {rng->Uniform(0.25, 0.5), rng->Uniform(0.25, 0.5), rng->Uniform(0.25, 0.9)};
-    const double angle = rng->Uniform(-kPi, kPi);
-    const double away = rng->Uniform(1.1, 2.2);
-    crate.position = {away * std::cos(angle), away * std::sin(angle), 0.0};
-    crate.yaw_deg = rng->Uniform(0.0, 90.0);
-    const double room = crate.size.head<2>().norm() / 2.0 + kRobotRadius + 0.15;
-    if ((crate.position.head<2>() - scene.robot.position).norm() > room) {
-      scene.boxes.push_back(crate);
-    }
-  }
+  for (int i = 0; i < crates; ++i) AddCrate(fmt::format("crate {}", i + 1), &scene, rng);
   return scene;
+}
+
+void AddCrate(const std::string& name, sim::Scene* scene, Rng* rng) {
+  sim::SceneBox crate;
+  crate.name = name;
+  crate.size = {rng->Uniform(0.25, 0.5), rng->Uniform(0.25, 0.5), rng->Uniform(0.25, 0.9)};
+  const double angle = rng->Uniform(-kPi, kPi);
+  const double away = rng->Uniform(1.1, 2.2);
+  crate.position = {away * std::cos(angle), away * std::sin(angle), 0.0};
+  crate.yaw_deg = rng->Uniform(0.0, 90.0);
+  const double room = crate.size.head<2>().norm() / 2.0 + kRobotRadius + 0.15;
+  if ((crate.position.head<2>() - scene->robot.position).norm() > room) {
+    scene->boxes.push_back(crate);
+  }
 }
 
 sim::Scene DrawCrowdedTable(const std::vector<sim::SceneObject>& things, Rng* rng) {

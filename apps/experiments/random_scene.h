@@ -25,6 +25,10 @@ Repertoire LoadRepertoire(const std::string& models, const std::string& unfamili
 /// it within 15 degrees. Depends on `rng` alone.
 sim::Scene DrawScene(const Repertoire& repertoire, Rng* rng);
 
+/// Puts a crate of random size on the floor, 1.1 to 2.2 m from the table's centre; none where the
+/// robot has its start.
+void AddCrate(const std::string& name, sim::Scene* scene, Rng* rng);
+
 /// A small table, crowded with `things` at random places at least 3 cm apart and turned at random:
 /// from most sides, some hide others. What finds no room in many attempts is left out.
 sim::Scene DrawCrowdedTable(const std::vector<sim::SceneObject>& things, Rng* rng);

@@ -40,6 +40,7 @@ Pose FromKdl(const KDL::Frame& frame) {
 
 struct Chain::Parts {
   RobotModel model;
+  int tip{};                    // index of the link
   std::vector<int> links;       // that the joints move, base to tip
   std::vector<double> resting;  // of all joints, those of the chain 0
   KDL::Chain kdl;
@@ -50,7 +51,8 @@ Chain::Chain(RobotModel model, const std::string& tip) {
   parts->model = std::move(model);
   const std::vector<Link>& links = parts->model.links;
   std::vector<int> way;
-  for (int i = parts->model.IndexOf(tip); i > 0; i = links[i].parent) way.push_back(i);
+  parts->tip = parts->model.IndexOf(tip);
+  for (int i = parts->tip; i > 0; i = links[i].parent) way.push_back(i);
   std::reverse(way.begin(), way.end());
   for (const int i : way) {
     const Joint& joint = links[i].joint;
@@ -81,6 +83,8 @@ Chain::Chain(RobotModel model, const std::string& tip) {
 Chain::~Chain() = default;
 
 const RobotModel& Chain::model() const { return parts_->model; }
+
+const Link& Chain::tip() const { return parts_->model.links[parts_->tip]; }
 
 int Chain::size() const { return static_cast<int>(parts_->links.size()); }
 

@@ -23,6 +23,8 @@ class Chain {
   Chain& operator=(const Chain&) = default;
 
   const RobotModel& model() const;
+  /// The link whose frame is E.
+  const Link& tip() const;
   /// How many joints there are.
   int size() const;
   /// Joint `i`, counted from the base, and the index of the link that it moves.

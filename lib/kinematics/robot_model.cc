@@ -194,6 +194,7 @@ RobotModel ParseUrdf(const std::string& text, const std::string& source) {
   RequireTree(*tree, source);
   RobotModel model;
   model.name = tree->getName();
+  model.urdf = text;
   TreeReader(source, &model).Add(*tree->getRoot(), -1);
   if (model.links.size() < tree->links_.size()) {
     for (const auto& [name, link] : tree->links_) {

@@ -32,6 +32,7 @@ struct Link {
 /// A tree of links, as a URDF file describes it.
 struct RobotModel {
   std::string name;
+  std::string urdf;         ///< The text that it was read from.
   std::vector<Link> links;  ///< Parents before their children; the first is the root.
 
   /// The index of the link called `link`. @throws ConfigError naming those that there are.

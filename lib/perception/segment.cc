@@ -461,6 +461,7 @@ void SegmentConfig::Validate() const {
   must_be_positive("min_plane_points", min_plane_points);
   must_be_positive("cluster_gap_m", cluster_gap_m);
   must_be_positive("min_cluster_points", min_cluster_points);
+  split.Validate();
   if (min_plane_area_m2 < 0.0 || min_plane_width_m < 0.0 || edge_clearance_m < 0.0) {
     Throw<ConfigError>(
         "min_plane_area_m2 = {}, min_plane_width_m = {} and edge_clearance_m = {} must not be "

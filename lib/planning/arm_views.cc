@@ -46,6 +46,17 @@ std::vector<Eigen::Vector3d> CamerasAround(const Eigen::Vector3d& p_WT,
   return cameras_W;
 }
 
+/// False where no joint angles could bring the camera so far, which is soon told.
+bool CheckReach(const ArmCarrier& carrier, world::Look* look) {
+  const kinematics::Chain& arm = carrier.hand.arm;
+  const Pose X_WS = ToPose(carrier.X_WB) * arm.LinkPoses(carrier.q)[arm.link_of(0)];
+  const double distance = (look->X_WC.translation() - X_WS.translation()).norm();
+  const double reach = ReachOf(arm) + carrier.hand.X_EC.translation().norm();
+  return AddCheck("reach", distance <= reach,
+                  fmt::format("{:.2f} m from the first joint, at most {:.2f} m", distance, reach),
+                  look);
+}
+
 /// The joint angles that bring the camera there, any roll will do.
 std::vector<Eigen::VectorXd> CheckInverseKinematics(const ArmCarrier& carrier,
                                                     const ArmViewsConfig& config,
@@ -76,7 +87,7 @@ std::vector<Eigen::VectorXd> CheckCollision(const std::vector<Eigen::VectorXd>& 
 /// The first of `postures` that has a way there.
 bool CheckPath(const std::vector<Eigen::VectorXd>& postures, const ArmCarrier& carrier,
                const ArmCollision& collision, std::uint64_t seed, const MotionConfig& config,
-               ArmLook* candidate) {
+               world::Look* look) {
   std::string reason;
   for (const Eigen::VectorXd& q : postures) {
     PlannedMotion motion = PlanMotion(collision, carrier.arm.joints, carrier.q, q, seed, config);
@@ -84,26 +95,23 @@ bool CheckPath(const std::vector<Eigen::VectorXd>& postures, const ArmCarrier& c
       if (reason.empty()) reason = std::move(motion.reason);
       continue;
     }
-    candidate->q = q;
-    candidate->trajectory = std::move(motion.trajectory);
-    candidate->look.seconds = candidate->trajectory.seconds();
+    look->arm_motion = std::move(motion.trajectory);
+    look->seconds = look->arm_motion.seconds();
     // Any roll would do; this is the one that it has there.
-    candidate->look.X_WC = ToPose(carrier.X_WB) * kinematics::CameraInBase(carrier.hand, q);
-    return AddCheck("path", true, fmt::format("{:.1f} s", candidate->look.seconds),
-                    &candidate->look);
+    look->X_WC = ToPose(carrier.X_WB) * kinematics::CameraInBase(carrier.hand, q);
+    return AddCheck("path", true, fmt::format("{:.1f} s", look->seconds), look);
   }
-  return AddCheck("path", false, reason, &candidate->look);
+  return AddCheck("path", false, reason, look);
 }
 
 bool CheckAll(const ArmCarrier& carrier, const ArmCollision& collision, double distance,
-              std::uint64_t seed, const ArmViewsConfig& config, ArmLook* candidate) {
-  world::Look* look = &candidate->look;
-  if (!CheckDepth(distance, carrier.camera, look)) return false;
+              std::uint64_t seed, const ArmViewsConfig& config, world::Look* look) {
+  if (!CheckDepth(distance, carrier.camera, look) || !CheckReach(carrier, look)) return false;
   const std::vector<Eigen::VectorXd> reaching = CheckInverseKinematics(carrier, config, look);
   if (reaching.empty()) return false;
   const std::vector<Eigen::VectorXd> free = CheckCollision(reaching, collision, look);
   if (free.empty()) return false;
-  return CheckPath(free, carrier, collision, seed, config.motion, candidate);
+  return CheckPath(free, carrier, collision, seed, config.motion, look);
 }
 
 }  // namespace
@@ -119,28 +127,29 @@ void ArmViewsConfig::Validate() const {
   motion.Validate();
 }
 
-std::vector<ArmLook> ArmViews(const Eigen::Vector3d& p_WT, int target, const ArmCarrier& carrier,
-                              const ArmCollision& collision, std::uint64_t seed,
-                              const ArmViewsConfig& config) {
+std::vector<world::Look> ArmViews(const Eigen::Vector3d& p_WT, int target,
+                                  const ArmCarrier& carrier, const ArmCollision& collision,
+                                  std::uint64_t seed, const ArmViewsConfig& config) {
   config.Validate();
   if (!p_WT.allFinite()) {
     Throw<InvalidArgument>(
         "arm views: the position p_WT = ({}, {}, {}) m of target {} is not finite", p_WT.x(),
         p_WT.y(), p_WT.z(), target);
   }
-  std::vector<ArmLook> candidates;
+  std::vector<world::Look> looks;
   for (const Eigen::Vector3d& p_WC : CamerasAround(p_WT, config)) {
-    ArmLook candidate;
-    candidate.look.kind = "arm";
-    candidate.look.target = target;
-    candidate.look.X_WB = carrier.X_WB;
-    candidate.look.X_WC = LookAt(p_WC, p_WT);
-    const std::uint64_t own = ForkSeed(seed, fmt::format("arm view {}", candidates.size()));
-    candidate.look.feasible =
-        CheckAll(carrier, collision, (p_WC - p_WT).norm(), own, config, &candidate);
-    candidates.push_back(std::move(candidate));
+    world::Look look;
+    look.kind = "arm";
+    look.target = target;
+    look.way = world::LookWay::kArm;
+    look.X_WB = carrier.X_WB;
+    look.head = carrier.head;
+    look.X_WC = LookAt(p_WC, p_WT);
+    const std::uint64_t own = ForkSeed(seed, fmt::format("arm view {}", looks.size()));
+    look.feasible = CheckAll(carrier, collision, (p_WC - p_WT).norm(), own, config, &look);
+    looks.push_back(std::move(look));
   }
-  return candidates;
+  return looks;
 }
 
 }  // namespace secondlook::planning

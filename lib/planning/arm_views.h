@@ -7,6 +7,7 @@
 
 #include "lib/hal/arm.h"
 #include "lib/hal/camera.h"
+#include "lib/hal/pan_tilt.h"
 #include "lib/kinematics/eye_in_hand.h"
 #include "lib/kinematics/inverse_kinematics.h"
 #include "lib/planning/motion/plan_motion.h"
@@ -44,28 +45,22 @@ struct ArmCarrier {
   hal::ArmInfo arm;
   kinematics::EyeInHand hand;
   hal::CameraInfo camera;
-  Pose2 X_WB;         ///< Of the base, which stays there.
-  Eigen::VectorXd q;  ///< Joint angles [rad].
-};
-
-/// A look by the arm, and the motion that takes it there.
-struct ArmLook {
-  world::Look look;                 ///< `X_WB` is where the base stands; there is no path to drive.
-  Eigen::VectorXd q;                ///< Joint angles there [rad]; empty when refused before.
-  hal::JointTrajectory trajectory;  ///< From `q` of the carrier; empty when refused.
+  Pose2 X_WB;               ///< Of the base, which stays there.
+  hal::PanTiltAngles head;  ///< Of the head, which stays, too.
+  Eigen::VectorXd q;        ///< Joint angles [rad].
 };
 
 /// The candidates for the next view of a target at `p_WT` that the arm can take from where the base
 /// stands: cameras on two shells around it, above its horizon, each looking at it with any roll.
-/// Each candidate goes through the checks "range" (of a depth camera), "inverse kinematics",
-/// "collision" and "path", in this order, until one refuses it; none is left out of the result. Of
-/// several joint angles for one pose the soonest reached that is free and has a way is taken.
-/// `seconds` is what the motion takes. Deterministic: chance is drawn from `seed` and the
-/// candidate.
+/// Each candidate goes through the checks "range" (of a depth camera), "reach", "inverse
+/// kinematics", "collision" and "path", in this order, until one refuses it; none is left out of
+/// the result. Of several joint angles for one pose the soonest reached that is free and has a way
+/// is taken. `arm_motion` goes there from the carrier's `q`, and `seconds` is what it takes.
+/// Deterministic: chance is drawn from `seed` and the candidate.
 /// @param collision Of the arm where the base stands.
 /// @throws ConfigError when `config` is not valid, InvalidArgument for a target that is not finite.
-std::vector<ArmLook> ArmViews(const Eigen::Vector3d& p_WT, int target, const ArmCarrier& carrier,
-                              const ArmCollision& collision, std::uint64_t seed,
-                              const ArmViewsConfig& config = {});
+std::vector<world::Look> ArmViews(const Eigen::Vector3d& p_WT, int target,
+                                  const ArmCarrier& carrier, const ArmCollision& collision,
+                                  std::uint64_t seed, const ArmViewsConfig& config = {});
 
 }  // namespace secondlook::planning

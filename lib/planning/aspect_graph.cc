@@ -391,7 +391,8 @@ std::vector<double> ScoresLookingAhead(const AspectTarget& target, const Belief&
     const double turn =
         std::abs(WrapAngle(std::atan2(to_b.y(), to_b.x()) - std::atan2(to_a.y(), to_a.x())));
     const double metres = turn * to_a.norm() + std::abs(to_b.norm() - to_a.norm());
-    return {metres / config.ahead_speed + config.look_seconds, std::min(1.0, novelty / before)};
+    const double seconds = b.way == world::LookWay::kArm ? b.seconds : metres / config.ahead_speed;
+    return {seconds + config.look_seconds, std::min(1.0, novelty / before)};
   };
   const std::vector<double> gains =
       GainsLookingAhead(belief, options, after, config.loss, config.look_ahead);

@@ -10,10 +10,12 @@ namespace {
 
 /// What a look is expected to bring, for people.
 std::string Explain(const world::Look& look) {
-  return fmt::format(
-      "sees {:.0f} % of the rays to the box; gain {:.3g}; {:.1f} s and {:.2f} m to "
-      "drive; score {:.3g}",
-      100.0 * look.visibility, look.gain, look.seconds, look.metres, look.score);
+  const std::string way =
+      look.way == world::LookWay::kArm
+          ? fmt::format("{:.1f} s by the arm", look.seconds)
+          : fmt::format("{:.1f} s and {:.2f} m to drive", look.seconds, look.metres);
+  return fmt::format("sees {:.0f} % of the rays to the box; gain {:.3g}; {}; score {:.3g}",
+                     100.0 * look.visibility, look.gain, way, look.score);
 }
 
 }  // namespace

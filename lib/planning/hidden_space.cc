@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/common/check_range.h"
+
 namespace secondlook::planning {
 namespace {
 
@@ -49,6 +51,14 @@ bool NearKnown(const Vector3d& p_WQ, const std::vector<AlignedBox3d>& known_W, d
 }
 
 }  // namespace
+
+void HiddenSpaceConfig::Validate() const {
+  CheckRange(cell_m, 0.005, 0.5, "cell_m");
+  CheckRange(height_m, 0.0, 1.0, "height_m");
+  CheckRange(clearance_m, 0.0, 1.0, "clearance_m");
+  CheckRange(min_area_m2, 0.0, 10.0, "min_area_m2");
+  CheckRange(box_height_m, 0.001, 2.0, "box_height_m");
+}
 
 std::vector<AlignedBox3d> HiddenRegions(const world::VoxelSpace& space,
                                         const world::SupportPlane& plane_W,

@@ -24,6 +24,8 @@ struct HiddenSpaceConfig {
     a->Visit("min_area_m2", &min_area_m2);
     a->Visit("box_height_m", &box_height_m);
   }
+  /// @throws ConfigError naming the value.
+  void Validate() const;
 };
 
 /// Where on the support plane a thing could still stand unseen: connected regions of its rectangle

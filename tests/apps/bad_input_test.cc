@@ -160,6 +160,27 @@ TEST_F(BadInput, NamesValuesThatNoMissionCanWorkWith) {
   Expect(Run({"--set", "seed"}), 2, "--set seed: must be KEY=VALUE, e.g. --set seed=7");
 }
 
+TEST_F(BadInput, NamesARobotThatCannotMoveOrArm) {
+  Expect(Run({"--set", "mission.looks.hidden_space.cell_m=0"}), 2, "cell_m = 0 must lie in");
+  Expect(Run({"--set", "mission.understanding.segment.split.window_m=1"}), 2,
+         "window_m = 1 must lie in 0.004 to 0.1");
+  Expect(Run({"--set", "mission.looks.arm.collision.clearance_m=0.005"}), 2,
+         "views.motion.step_m = 0.02 with collision.clearance_m = 0.005: between two tests the arm "
+         "could pass through something");
+  const std::string arm = "robot.arm={urdf: sim/robots/arm.urdf";
+  Expect(Run({"--set", arm + ", home_deg: [0, 90, 0, 0, 0, 0, 0]}"}), 2,
+         "arm 'arm': where it stands at the beginning it reaches 1.");
+  // Boxes all around: the base can go nowhere.
+  WriteFile(world_ / "scene.yaml", ReadFile(world_ / "scene.yaml") +
+                                       "boxes:\n"
+                                       "  - {size: [0.1, 1.6, 0.6], position: [-0.9, 0, 0]}\n"
+                                       "  - {size: [0.1, 1.6, 0.6], position: [-2.1, 0, 0]}\n"
+                                       "  - {size: [1.1, 0.1, 0.6], position: [-1.5, 0.6, 0]}\n"
+                                       "  - {size: [1.1, 0.1, 0.6], position: [-1.5, -0.6, 0]}\n");
+  const ProgramResult shut_in = Run();
+  EXPECT_EQ(shut_in.status, 0) << shut_in.err;
+}
+
 TEST_F(BadInput, NamesACameraThatDeliversNoDepthNothingOrIsLost) {
   Expect(Run({"--set", "robot.camera_fault=nan"}), 3,
          "camera 'head': no usable depth in 3 frames in a row; check its projector and driver");

@@ -55,6 +55,25 @@ TEST_F(Check, NamesTheArmAndTheCameraInItsHand) {
   EXPECT_THAT(wrong.out, ContainsRegex("WRONG +robot +robot 'arm' has no link 'gripper'"));
 }
 
+TEST_F(Check, FindsARobotOrAPersonThatWouldStandInSomething) {
+  const std::string scene = ReadFile(world_ / "scene.yaml");
+  const auto with = [&](const std::string& more) {
+    WriteFile(world_ / "scene.yaml", scene + more + "\n");
+    return Run();
+  };
+  const ProgramResult in_table = with("robot: {position: [0.7, 0.0]}");
+  EXPECT_EQ(in_table.status, 2);
+  EXPECT_THAT(in_table.out, ContainsRegex("WRONG +scene +the robot of 0.28 m radius starts at "
+                                          "\\[0.7, 0\\], which is within 'table'; move one"));
+  EXPECT_THAT(with("robot: {position: [9.0, 0.0]}").out,
+              HasSubstr("the robot starts at [9, 0], which is off the floor of 7 x 6 m"));
+  EXPECT_THAT(with("moving_obstacles: [{waypoints: [[-1.4, 0.0], [2.0, 2.0]]}]").out,
+              HasSubstr("'person' starts at [-1.4, 0], which is within the robot; move one"));
+  EXPECT_THAT(with("moving_obstacles: [{waypoints: [[0.0, 0.5]]}]").out,
+              HasSubstr("'person' of 0.25 m radius starts at [0, 0.5], which is within 'table'"));
+  EXPECT_EQ(with("moving_obstacles: [{waypoints: [[2.0, 2.0]]}]").status, 0);
+}
+
 TEST_F(Check, GoesOnAfterTheFirstFaultAndListsAll) {
   // One model changed behind the database's back, one with a mesh that is none.
   std::filesystem::copy(world_.models() / "block", world_.models() / "another",

@@ -22,6 +22,7 @@ class Drive : public ::testing::Test {
     look_.head = {0.3, 0.2};
     look_.seconds = 4.0;
     world_.base_takes = Seconds(2.0);
+    world_.base_speed = 0.5;
     world_.head_takes = Seconds(1.0);
   }
 
@@ -144,6 +145,66 @@ TEST_F(Drive, StopsEverythingWhenTheHeadIsLost) {
   EXPECT_THROWS(Move(), DeviceError, "pan-tilt 'neck': the device is lost");
   EXPECT_EQ(world_.base_stops, 1);
   EXPECT_EQ(world_.head_stops, 1);
+}
+
+TEST_F(Drive, DoesNotBelieveABaseThatIsNotWhereItSaysItHasGotTo) {
+  world_.base_speed = 0.35;  // 0.7 m of 1 m
+  const DriveOutcome outcome = Move();
+  EXPECT_EQ(outcome.kind, Kind::kFailed);
+  EXPECT_EQ(outcome.reason,
+            "wheels: says it has reached its goal, but localisation sees it 0.30 m and 0.0 deg "
+            "away");
+  EXPECT_FALSE(outcome.base_failed) << "nothing was in the way";
+  EXPECT_EQ(world_.head_starts, 0);
+}
+
+TEST_F(Drive, GivesUpOnAHeadThatDoesNotAnswer) {
+  world_.head_takes = Seconds(1e6);
+  const DriveOutcome outcome = Move();
+  EXPECT_EQ(outcome.kind, Kind::kFailed);
+  EXPECT_EQ(outcome.reason, "neck: still moving after 27.0 s");
+  EXPECT_GE(world_.head_stops, 1);
+}
+
+/// A look that begins with a motion of the arm.
+class DriveWithArm : public Drive {
+ protected:
+  DriveWithArm() {
+    robot_ = testing::MakeFakeRobotWithArm(&world_);
+    world_.arm_takes = Seconds(3.0);
+    const Eigen::VectorXd rest = Eigen::Vector2d::Zero();
+    look_.arm_motion.knots = {{0.0, rest, rest}, {3.0, Eigen::Vector2d(0.4, 0.5), rest}};
+  }
+};
+
+TEST_F(DriveWithArm, FoldsItBeforeTheBaseDrives) {
+  EXPECT_EQ(Move().kind, Kind::kReached);
+  EXPECT_EQ(world_.q, Eigen::VectorXd(Eigen::Vector2d(0.4, 0.5)));
+  EXPECT_EQ(world_.base_started, world_.arm_started + Seconds(3.0));
+  EXPECT_EQ(world_.head_starts, 1);
+}
+
+TEST_F(DriveWithArm, LeavesBaseAndHeadAloneWhereTheLookIsTheArms) {
+  look_.way = world::LookWay::kArm;
+  EXPECT_EQ(Move().kind, Kind::kReached);
+  EXPECT_EQ(world_.arm_starts, 1);
+  EXPECT_EQ(world_.base_starts, 0);
+  EXPECT_EQ(world_.head_starts, 0);
+}
+
+TEST_F(DriveWithArm, DoesNotDriveWithAnArmThatCouldNotBeFolded) {
+  world_.arm_ends = {MotionPhase::kFailed, "touched something"};
+  const DriveOutcome outcome = Move();
+  EXPECT_EQ(outcome.kind, Kind::kFailed);
+  EXPECT_EQ(outcome.reason, "limb: touched something");
+  EXPECT_FALSE(outcome.base_failed);
+  EXPECT_EQ(world_.base_starts, 0);
+}
+
+TEST_F(DriveWithArm, StopsItOnRequest) {
+  EXPECT_EQ(Move([this] { return world_.now >= Time(Seconds(1.0)); }).kind, Kind::kStopped);
+  EXPECT_GE(world_.arm_stops, 1);
+  EXPECT_EQ(world_.base_starts, 0);
 }
 
 }  // namespace

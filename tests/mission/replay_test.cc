@@ -124,6 +124,19 @@ TEST(Replay, OfTheDefaultMissionIsTheSameByteForByte) {
   EXPECT_TRUE(mission.replayed_json() == mission.json());
 }
 
+TEST(Replay, OfAMissionOfTheArmIsTheSameByteForByte) {
+  const testing::SmallWorld world;
+  world.LookByArm();
+  const RecordedMission mission({"threads=1"}, world.config().string());
+  ASSERT_EQ(mission.result.status, 0) << mission.result.err;
+  EXPECT_THAT(mission.result.err, HasSubstr("s by the arm"));
+  const ProgramResult replay = mission.Replay(WithConfig(mission, "threads: 1", "threads: 2"));
+  EXPECT_EQ(replay.status, 0) << replay.err;
+  EXPECT_THAT(replay.out, HasSubstr("the same decisions as in the recording"));
+  EXPECT_TRUE(mission.replayed_json() == mission.json());
+  EXPECT_EQ(mission.Replay("", true).status, 0) << "along the recorded looks";
+}
+
 TEST(Replay, OfAMissionThatEndsUnsettledHasItsStatus) {
   const RecordedMission mission({"seed=3", "task.budget.looks=1"}, "config/sim.yaml");
   ASSERT_EQ(mission.result.status, 4) << mission.result.err;

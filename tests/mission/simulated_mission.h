@@ -14,13 +14,14 @@
 
 namespace secondlook::apps {
 
-/// A mission of config/sim.yaml in this process, with all that it lives on.
+/// A mission of a shipped configuration in this process, with all that it lives on.
 class SimulatedMission {
  public:
   /// Runs it to its end, or for 100 steps.
   explicit SimulatedMission(const std::vector<std::string>& overrides,
-                            std::vector<transport::Sink*> sinks = {})
-      : config_(LoadRunConfig("config/sim.yaml", overrides)),
+                            std::vector<transport::Sink*> sinks = {},
+                            const std::string& config = "config/sim.yaml")
+      : config_(LoadRunConfig(config, overrides)),
         threads_(config_.threads),
         database_(world::ObjectDatabase::Load(config_.models)),
         ready_(MakeRobot(config_.robot, config_.seed)),
@@ -28,6 +29,7 @@ class SimulatedMission {
         mission_(
             config_.mission, config_.task, database_, ready_.calibration, config_.seed,
             [] { return false; }, &publisher_, &ready_.robot) {
+    if (ready_.hand) mission_.KnowArm(*ready_.hand);
     for (int i = 0; i < 100 && progress_ == Progress::kMore; ++i) progress_ = mission_.Step();
   }
 

@@ -23,7 +23,7 @@ ArmCollision CollisionIn(const world::VoxelSpace& space, const VectorXd& start,
                          const ObstacleConfig& config = {}) {
   const kinematics::Chain arm = SimulatedArm();
   return {arm, Pose::Identity(),
-          ObstaclesAround({-0.05, -0.1, 0.7}, Reach(arm), space, {}, arm.Body(start), config)};
+          ObstaclesAround({-0.05, -0.1, 0.7}, ReachOf(arm), space, {}, arm.Body(start), config)};
 }
 
 PlannedMotion Plan(const ArmCollision& collision, const VectorXd& start, const VectorXd& goal,

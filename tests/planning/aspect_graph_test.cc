@@ -375,6 +375,21 @@ TEST(ChooseLook, SaysWhyThereIsNone) {
   EXPECT_EQ(ChooseLook(&looks).reason, "there are no candidates");
 }
 
+TEST(AspectGraph, ATargetUnderTheTableIsSeenFromNowhere) {
+  VoxelSpace space = FreeSpace();
+  std::vector<Vector3d> top;
+  for (double x = -0.6; x <= 0.6; x += 0.01) {
+    for (double y = -0.6; y <= 0.6; y += 0.01) top.emplace_back(x, y, 0.95);
+  }
+  space.MarkOccupied(top);
+  AspectGraph graph = Score(space, BoxTarget({0.1, 0.1, 0.1}), Ring(8, 0.9));
+  EXPECT_FALSE(ChooseLook(&graph.looks).index.has_value());
+  for (const world::Look& look : graph.looks) {
+    EXPECT_THAT(look.reason, ::testing::StartsWith("visible: 0 % of "));
+    EXPECT_THAT(look.reason, ::testing::HasSubstr("(100 % blocked"));
+  }
+}
+
 TEST(AspectGraph, RefusesBadInput) {
   const Model box(geometry::MakeBox({0.1, 0.1, 0.1}, kGrey));
   const VoxelSpace space;

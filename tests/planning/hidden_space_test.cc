@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/common/error.h"
+#include "tests/support/expect_throws.h"
+
 namespace secondlook::planning {
 namespace {
 
@@ -55,6 +58,18 @@ TEST(HiddenRegions, PutsTheLargestFirstAndLeavesOutTheTiny) {
   ASSERT_EQ(regions.size(), 2U);
   EXPECT_LT(regions[0].center().x(), 0.2);
   EXPECT_GT(regions[1].center().x(), 0.2);
+}
+
+TEST(HiddenSpaceConfig, NamesTheValueThatMakesNoSense) {
+  const auto with = [](double HiddenSpaceConfig::*value, double number) {
+    HiddenSpaceConfig config;
+    config.*value = number;
+    config.Validate();
+  };
+  EXPECT_THROWS(with(&HiddenSpaceConfig::cell_m, 0.0), ConfigError, "cell_m = 0 must lie in");
+  EXPECT_THROWS(with(&HiddenSpaceConfig::height_m, -0.1), ConfigError, "height_m = -0.1 must");
+  EXPECT_THROWS(with(&HiddenSpaceConfig::box_height_m, 0.0), ConfigError, "box_height_m = 0 must");
+  EXPECT_NO_THROW(HiddenSpaceConfig().Validate());
 }
 
 }  // namespace

@@ -125,6 +125,16 @@ TEST(CandidateViews, TheHeadsLimitsAndTheCamerasRangeRefuse) {
   EXPECT_THAT(looks[19].reason, ::testing::HasSubstr("1.39 m in 0.50..1.20 m"));
 }
 
+TEST(CandidateViews, LimitsThatContradictEachOtherRefuseAll) {
+  CameraCarrier carrier = MakeCarrier();
+  carrier.pan_tilt.lower.tilt = 0.9;
+  carrier.pan_tilt.upper.tilt = -0.9;
+  for (const world::Look& look : Room().Candidates({0, 0, 0.85}, carrier)) {
+    EXPECT_FALSE(look.feasible);
+    EXPECT_THAT(look.reason, ::testing::StartsWith("pan-tilt limits: "));
+  }
+}
+
 TEST(CandidateViews, OfATargetOutsideOfTheMapAreAllRefusedWithAReason) {
   for (const world::Look& look : Room().Candidates({20.0, 0.0, 0.85}, MakeCarrier())) {
     EXPECT_FALSE(look.feasible);

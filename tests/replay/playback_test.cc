@@ -43,7 +43,7 @@ class RecordedFake {
     second_look::rec_mission_t mission{};
     mission.config = "seed: 4";
     calibration.X_HC.translation() = Eigen::Vector3d(0.1, 0.2, 0.3);
-    Describe(fake, calibration, &mission);
+    Describe(fake, calibration, std::nullopt, &mission);
     recorder.Begin(mission);
     robot = Tap(std::move(fake), &recorder);
   }
@@ -116,6 +116,67 @@ TEST(Playback, ClockStatesAndMotionsAreAnsweredAgain) {
   Robot robot = playback.MakeRobot();
   EXPECT_EQ(visit(robot), then);
   EXPECT_THAT(then.back(), HasSubstr("3 blocked"));
+}
+
+/// What the arm and the camera in its hand answer, a motion in between.
+std::vector<std::string> VisitArm(Robot& robot) {
+  std::vector<std::string> seen;
+  const auto note = [&] {
+    const ArmState arm = robot.arm->State();
+    const auto frame = robot.hand_camera->Grab(Seconds(1));
+    seen.push_back(
+        fmt::format("{} {} {} {} {}", arm.time.time_since_epoch().count(), arm.q[0],
+                    static_cast<int>(robot.arm->Status().phase), frame ? frame->sequence : 0,
+                    frame ? static_cast<int>(frame->color.at<cv::Vec3b>(200, 300)[1]) : 0));
+  };
+  note();
+  const Eigen::VectorXd from = robot.arm->State().q;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(from.size());
+  Eigen::VectorXd to = from;
+  to[0] += 0.1;
+  robot.arm->Start({{{0.0, from, rest}, {1.0, to, rest}}});
+  note();
+  robot.clock->SleepUntil(robot.clock->Now() + Seconds(2));
+  note();
+  return seen;
+}
+
+/// Such a visit to the simulated robot.
+Recording RecordArm(std::vector<std::string>* seen) {
+  const TemporaryFolder folder;
+  sim::SimConfig config;
+  config.arm.emplace().urdf = "sim/robots/arm.urdf";
+  sim::SimulatedRobot simulated = sim::MakeSimulatedRobot(sim::FreeScene(), config, 3);
+  transport::LogSink log(folder / "log", 1'000'000'000);
+  Recorder recorder(&log);
+  second_look::rec_mission_t mission{};
+  Describe(simulated.robot, simulated.calibration, simulated.hand, &mission);
+  recorder.Begin(mission);
+  {
+    Robot tapped = Tap(std::move(simulated.robot), &recorder);
+    *seen = VisitArm(tapped);
+  }
+  log.Post(transport::Pack(transport::channel::kMission, EndOfMission()));
+  log.Close();
+  return Recording::Load(folder / "log");
+}
+
+TEST(Playback, TheArmAndItsCameraAnswerAgain) {
+  std::vector<std::string> then;
+  const Recording recording = RecordArm(&then);
+  ASSERT_TRUE(recording.robot.arm);
+  const ArmDescription& arm = *recording.robot.arm;
+  EXPECT_EQ(arm.arm.name, "arm");
+  EXPECT_EQ(arm.arm.joints.size(), 7U);
+  EXPECT_EQ(arm.camera.name, "hand");
+  Playback playback(recording);
+  Robot robot = playback.MakeRobot();
+  EXPECT_EQ(VisitArm(robot), then);
+  EXPECT_EQ(then.size(), 3U);
+  // The description gives the same kinematics.
+  const Eigen::VectorXd q = Eigen::VectorXd::Constant(7, 0.3);
+  const kinematics::Chain chain(kinematics::LoadUrdf("sim/robots/arm.urdf"), "flange");
+  EXPECT_TRUE(arm.hand.arm.TipPose(q).isApprox(chain.TipPose(q), 0.0));
 }
 
 TEST(Playback, FramesComeAgainAndSoDoesThatNoneCame) {
@@ -258,11 +319,11 @@ TEST(Recording, OfAnotherFormatOrOfNothingIsRefused) {
   {
     transport::LogSink log(folder / "other", 1'000'000'000);
     second_look::rec_mission_t mission{};
-    mission.format = 2;
+    mission.format = 1;
     log.Post(transport::Pack(transport::channel::kRecMission, mission));
     transport::LogSink empty(folder / "empty", 1'000'000'000);
   }
-  EXPECT_THROWS(Recording::Load(folder / "other"), ConfigError, "is a recording of format 2");
+  EXPECT_THROWS(Recording::Load(folder / "other"), ConfigError, "is a recording of format 1");
   EXPECT_THROWS(Recording::Load(folder / "empty"), ConfigError, "is no recording of a mission");
 }
 
@@ -321,7 +382,7 @@ Recording RecordSimulated() {
     transport::LogSink log(folder / "log", 1'000'000'000);
     Recorder recorder(&log);
     second_look::rec_mission_t mission{};
-    Describe(simulated->robot, simulated->calibration, &mission);
+    Describe(simulated->robot, simulated->calibration, simulated->hand, &mission);
     recorder.Begin(mission);
     Robot tapped = Tap(std::move(simulated->robot), &recorder);
     for (int i = 0; i < 10; ++i) tapped.head_camera->Grab(Seconds(2));

@@ -39,6 +39,16 @@ struct FakeWorld {
   int head_starts{};
   int head_stops{};
 
+  // The arm is at once where its trajectory ends, `arm_takes` after Start().
+  Eigen::VectorXd q{Eigen::VectorXd::Zero(2)};
+  Eigen::VectorXd arm_target;
+  hal::MotionStatus arm_status;
+  Duration arm_takes{};
+  hal::MotionStatus arm_ends{hal::MotionPhase::kReached, ""};
+  Time arm_started{};
+  int arm_starts{};
+  int arm_stops{};
+
   std::deque<hal::RgbdFrame> frames;  ///< Handed out one after the other; none when empty.
   int grabs{};
 
@@ -52,6 +62,10 @@ struct FakeWorld {
     if (head_status.phase == hal::MotionPhase::kMoving && now >= head_started + head_takes) {
       head_status = head_ends;
       if (head_ends.phase == hal::MotionPhase::kReached) angles = target;
+    }
+    if (arm_status.phase == hal::MotionPhase::kMoving && now >= arm_started + arm_takes) {
+      arm_status = arm_ends;
+      if (arm_ends.phase == hal::MotionPhase::kReached) q = arm_target;
     }
   }
 };
@@ -142,6 +156,30 @@ class FakeCamera : public hal::Camera {
   hal::CameraInfo info_{"eye", {64, 48, 60.0, 60.0, 31.5, 23.5}, true, 0.5, 6.0};
 };
 
+class FakeArm : public hal::Arm {
+ public:
+  explicit FakeArm(FakeWorld* world) : world_(world) {}
+  const hal::ArmInfo& info() const override { return info_; }
+  hal::ArmState State() override { return {world_->now - world_->state_lag, world_->q}; }
+  void Start(const hal::JointTrajectory& trajectory) override {
+    ++world_->arm_starts;
+    world_->arm_started = world_->now;
+    world_->arm_target = trajectory.knots.back().q;
+    world_->arm_status = {hal::MotionPhase::kMoving, ""};
+  }
+  hal::MotionStatus Status() override { return world_->arm_status; }
+  void Stop() noexcept override {
+    ++world_->arm_stops;
+    if (world_->arm_status.phase == hal::MotionPhase::kMoving) {
+      world_->arm_status = {hal::MotionPhase::kStopped, ""};
+    }
+  }
+
+ private:
+  FakeWorld* world_;
+  hal::ArmInfo info_{"limb", {{"lift", -2.0, 2.0, 1.0, 2.0}, {"bend", -2.0, 2.0, 1.0, 2.0}}};
+};
+
 /// A robot whose devices do what `world`, which must outlive it, says.
 inline hal::Robot MakeFakeRobot(FakeWorld* world) {
   hal::Robot robot;
@@ -149,6 +187,14 @@ inline hal::Robot MakeFakeRobot(FakeWorld* world) {
   robot.base = std::make_unique<FakeBase>(world);
   robot.head = std::make_unique<FakePanTilt>(world);
   robot.head_camera = std::make_unique<FakeCamera>(world);
+  return robot;
+}
+
+/// The same with an arm of two joints and a camera in its hand, which shares the frames.
+inline hal::Robot MakeFakeRobotWithArm(FakeWorld* world) {
+  hal::Robot robot = MakeFakeRobot(world);
+  robot.arm = std::make_unique<FakeArm>(world);
+  robot.hand_camera = std::make_unique<FakeCamera>(world);
   return robot;
 }
 

@@ -22,6 +22,19 @@ class SmallWorld {
     WriteFile(config(), "robot: !Sim\n  scene: scene.yaml\nmodels: models\n");
   }
 
+  /// From now on the robot stands before a small table, has an arm and looks by it alone: no place
+  /// for the base is near enough, and the arm may go where nobody has looked.
+  void LookByArm() const {
+    WriteFile(folder_ / "scene.yaml",
+              "table: {size: [0.5, 0.4], height: 0.75}\nobjects:\n  - {mesh: mesh/mesh.obj, unit: "
+              "m, name: block, position: [-0.1, 0]}\nrobot: {position: [-0.75, 0.0]}\n");
+    WriteFile(config(), "robot: !Sim\n  scene: scene.yaml\n  arm: {urdf: " +
+                            std::filesystem::absolute("sim/robots/arm.urdf").string() +
+                            "}\nmodels: models\nmission: {looks: {views: {inner_radius_m: 6, "
+                            "outer_radius_m: 6, placed: 0}, arm: {obstacles: {avoid_unknown: "
+                            "false}}}}\n");
+  }
+
   std::filesystem::path config() const { return folder_ / "config.yaml"; }
   std::filesystem::path models() const { return folder_ / "models"; }
   std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }

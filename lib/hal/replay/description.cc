@@ -22,21 +22,81 @@ Pose PoseIn(const double matrix[4][4], const char* name) {
   return X_AB;
 }
 
+void Copy(const CameraInfo& camera, second_look::camera_t* message) {
+  message->name = camera.name;
+  message->width = camera.model.width;
+  message->height = camera.model.height;
+  message->fx = camera.model.fx;
+  message->fy = camera.model.fy;
+  message->cx = camera.model.cx;
+  message->cy = camera.model.cy;
+}
+
+CameraInfo CameraIn(const second_look::camera_t& message, bool has_depth, double min_depth,
+                    double max_depth) {
+  const CameraInfo camera{
+      message.name,
+      {message.width, message.height, message.fx, message.fy, message.cx, message.cy},
+      has_depth,
+      min_depth,
+      max_depth};
+  try {
+    camera.model.Validate("the recorded camera");
+  } catch (const InvalidArgument& error) {
+    throw ProtocolError(error.what());
+  }
+  return camera;
+}
+
+second_look::rec_arm_t Describe(const ArmInfo& arm, const CameraInfo& camera,
+                                const kinematics::EyeInHand& hand) {
+  second_look::rec_arm_t message{};
+  message.name = arm.name;
+  for (const JointInfo& joint : arm.joints) {
+    message.joints.push_back({});
+    message.joints.back().name = joint.name;
+    message.joints.back().lower = joint.lower;
+    message.joints.back().upper = joint.upper;
+    message.joints.back().speed = joint.speed;
+    message.joints.back().acceleration = joint.acceleration;
+  }
+  message.num_joints = static_cast<std::int32_t>(message.joints.size());
+  message.urdf = hand.arm.model().urdf;
+  message.tip = hand.arm.tip().name;
+  Copy(hand.X_EC, message.X_EC);
+  Copy(camera, &message.camera);
+  message.camera_has_depth = camera.has_depth ? 1 : 0;
+  message.camera_min_depth = camera.min_depth;
+  message.camera_max_depth = camera.max_depth;
+  return message;
+}
+
+ArmDescription ArmIn(const second_look::rec_arm_t& message) try {
+  ArmDescription arm{
+      {message.name, {}},
+      CameraIn(message.camera, message.camera_has_depth != 0, message.camera_min_depth,
+               message.camera_max_depth),
+      {kinematics::Chain(kinematics::ParseUrdf(message.urdf, "the recorded URDF"), message.tip),
+       PoseIn(message.X_EC, "X_EC")}};
+  for (const second_look::rec_joint_t& joint : message.joints) {
+    arm.arm.joints.push_back(
+        {joint.name, joint.lower, joint.upper, joint.speed, joint.acceleration});
+  }
+  return arm;
+} catch (const ConfigError& error) {
+  throw ProtocolError(error.what());
+}
+
 }  // namespace
 
 void Describe(const Robot& robot, const kinematics::HeadCalibration& calibration,
+              const std::optional<kinematics::EyeInHand>& hand,
               second_look::rec_mission_t* mission) {
   Copy(calibration.X_BH0, mission->X_BH0);
   Copy(calibration.X_HC, mission->X_HC);
 
   const CameraInfo& camera = robot.head_camera->info();
-  mission->camera.name = camera.name;
-  mission->camera.width = camera.model.width;
-  mission->camera.height = camera.model.height;
-  mission->camera.fx = camera.model.fx;
-  mission->camera.fy = camera.model.fy;
-  mission->camera.cx = camera.model.cx;
-  mission->camera.cy = camera.model.cy;
+  Copy(camera, &mission->camera);
   mission->camera_has_depth = camera.has_depth ? 1 : 0;
   mission->camera_min_depth = camera.min_depth;
   mission->camera_max_depth = camera.max_depth;
@@ -55,28 +115,23 @@ void Describe(const Robot& robot, const kinematics::HeadCalibration& calibration
   mission->head_upper[0] = head.upper.pan;
   mission->head_upper[1] = head.upper.tilt;
   mission->head_speed = head.speed;
+
+  if (hand) mission->arms.push_back(Describe(robot.arm->info(), robot.hand_camera->info(), *hand));
+  mission->num_arms = static_cast<std::int32_t>(mission->arms.size());
 }
 
 RobotDescription DescriptionIn(const second_look::rec_mission_t& mission) {
   RobotDescription robot;
   robot.calibration = {PoseIn(mission.X_BH0, "X_BH0"), PoseIn(mission.X_HC, "X_HC")};
-  const second_look::camera_t& camera = mission.camera;
-  robot.head_camera = {camera.name,
-                       {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy},
-                       mission.camera_has_depth != 0,
-                       mission.camera_min_depth,
-                       mission.camera_max_depth};
-  try {
-    robot.head_camera.model.Validate("the recorded camera");
-  } catch (const InvalidArgument& error) {
-    throw ProtocolError(error.what());
-  }
+  robot.head_camera = CameraIn(mission.camera, mission.camera_has_depth != 0,
+                               mission.camera_min_depth, mission.camera_max_depth);
   robot.base = {mission.base_name, mission.base_radius, mission.base_height, mission.base_speed,
                 mission.base_turn_rate};
   robot.head = {mission.head_name,
                 {mission.head_lower[0], mission.head_lower[1]},
                 {mission.head_upper[0], mission.head_upper[1]},
                 mission.head_speed};
+  if (!mission.arms.empty()) robot.arm = ArmIn(mission.arms.front());
   return robot;
 }
 

@@ -175,12 +175,31 @@ class PlayedPanTilt : public PanTilt {
   Answers<MotionStatus> statuses_;
 };
 
+class PlayedArm : public Arm {
+ public:
+  explicit PlayedArm(Reel* reel)
+      : info_(reel->recording.robot.arm->arm),
+        states_(reel, "arm '" + info_.name + "'", &Segment::arm_states),
+        starts_(reel, "arm '" + info_.name + "'", &Segment::arm_starts),
+        statuses_(reel, "arm '" + info_.name + "'", &Segment::arm_statuses) {}
+
+  const ArmInfo& info() const override { return info_; }
+  ArmState State() override { return states_.NextOrLast(); }
+  void Start(const JointTrajectory& /*trajectory*/) override { starts_.Next(); }
+  MotionStatus Status() override { return statuses_.NextOrLast(); }
+  void Stop() noexcept override {}
+
+ private:
+  ArmInfo info_;
+  Answers<ArmState> states_;
+  Answers<Started> starts_;
+  Answers<MotionStatus> statuses_;
+};
+
 class PlayedCamera : public Camera {
  public:
-  explicit PlayedCamera(Reel* reel)
-      : reel_(reel),
-        info_(reel->recording.robot.head_camera),
-        frames_(reel, "camera '" + info_.name + "'", &Segment::frames) {}
+  PlayedCamera(Reel* reel, CameraInfo info, std::vector<Answer<Grabbed>> Segment::*frames)
+      : reel_(reel), info_(std::move(info)), frames_(reel, "camera '" + info_.name + "'", frames) {}
 
   const CameraInfo& info() const override { return info_; }
 
@@ -221,7 +240,14 @@ Robot Playback::MakeRobot() {
   robot.clock = std::make_unique<PlayedClock>(reel_.get());
   robot.base = std::make_unique<PlayedBase>(reel_.get());
   robot.head = std::make_unique<PlayedPanTilt>(reel_.get());
-  robot.head_camera = std::make_unique<PlayedCamera>(reel_.get());
+  const RobotDescription& description = reel_->recording.robot;
+  robot.head_camera =
+      std::make_unique<PlayedCamera>(reel_.get(), description.head_camera, &Segment::frames);
+  if (description.arm) {
+    robot.arm = std::make_unique<PlayedArm>(reel_.get());
+    robot.hand_camera =
+        std::make_unique<PlayedCamera>(reel_.get(), description.arm->camera, &Segment::hand_frames);
+  }
   return robot;
 }
 

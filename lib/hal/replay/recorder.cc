@@ -6,6 +6,7 @@
 #include "lib/hal/replay/frame_codec.h"
 #include "lib/transport/channels.h"
 
+#include "second_look/rec_arm_state_t.hpp"
 #include "second_look/rec_base_state_t.hpp"
 #include "second_look/rec_clock_t.hpp"
 #include "second_look/rec_error_t.hpp"
@@ -123,6 +124,22 @@ void Recorder::OnHeadStatus(const MotionStatus& status) {
   PostMotion(channel::kRecHeadMotion, rec_motion_t::STATUS, status);
 }
 
+void Recorder::OnArmState(const ArmState& state) {
+  second_look::rec_arm_state_t message{};
+  message.time_ns = ToNanoseconds(state.time);
+  message.q.assign(state.q.begin(), state.q.end());
+  message.num_joints = static_cast<std::int32_t>(message.q.size());
+  Post(channel::kRecArmState, std::move(message));
+}
+
+void Recorder::OnArmStart(const JointTrajectory& /*trajectory*/) {
+  PostMotion(channel::kRecArmMotion, rec_motion_t::START, {});
+}
+
+void Recorder::OnArmStatus(const MotionStatus& status) {
+  PostMotion(channel::kRecArmMotion, rec_motion_t::STATUS, status);
+}
+
 void Recorder::PostMotion(const char* channel, std::int8_t call, const MotionStatus& status) {
   rec_motion_t motion{};
   motion.call = call;
@@ -132,18 +149,27 @@ void Recorder::PostMotion(const char* channel, std::int8_t call, const MotionSta
 }
 
 void Recorder::OnFrame(const std::optional<RgbdFrame>& frame, Time now) {
+  PostFrame(channel::kRecImage, channel::kRecFrame, frame, now);
+}
+
+void Recorder::OnHandFrame(const std::optional<RgbdFrame>& frame, Time now) {
+  PostFrame(channel::kRecHandImage, channel::kRecHandFrame, frame, now);
+}
+
+void Recorder::PostFrame(const char* image_channel, const char* frame_channel,
+                         const std::optional<RgbdFrame>& frame, Time now) {
   now_ = now;
   second_look::rec_frame_t message{};
   message.now_ns = ToNanoseconds(now);
   message.came = frame ? 1 : 0;
   if (frame) {
     for (second_look::rec_image_t& image : EncodeImages(*frame)) {
-      Post(channel::kRecImage, std::move(image));
+      Post(image_channel, std::move(image));
     }
     message.time_ns = ToNanoseconds(frame->time);
     message.sequence = static_cast<std::int64_t>(frame->sequence);
   }
-  Post(channel::kRecFrame, message);
+  Post(frame_channel, message);
 }
 
 void Recorder::OnError(Call call, const Error& error, Time now) {

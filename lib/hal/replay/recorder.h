@@ -37,7 +37,11 @@ class Recorder : public RobotListener {
   void OnHeadState(const PanTiltState& state) override;
   void OnHeadStart(const PanTiltAngles& target) override;
   void OnHeadStatus(const MotionStatus& status) override;
+  void OnArmState(const ArmState& state) override;
+  void OnArmStart(const JointTrajectory& trajectory) override;
+  void OnArmStatus(const MotionStatus& status) override;
   void OnFrame(const std::optional<RgbdFrame>& frame, Time now) override;
+  void OnHandFrame(const std::optional<RgbdFrame>& frame, Time now) override;
   void OnError(Call call, const Error& error, Time now) override;
 
  private:
@@ -45,6 +49,8 @@ class Recorder : public RobotListener {
   void Post(const char* channel, T body);
   void PostClock(std::int8_t call, std::int64_t asked_ns, Time now);
   void PostMotion(const char* channel, std::int8_t call, const MotionStatus& status);
+  void PostFrame(const char* image_channel, const char* frame_channel,
+                 const std::optional<RgbdFrame>& frame, Time now);
 
   transport::Sink* log_;
   Time now_{};

@@ -9,6 +9,7 @@
 #include "lib/transport/message_json.h"
 
 #include "second_look/mission_t.hpp"
+#include "second_look/rec_arm_state_t.hpp"
 #include "second_look/rec_base_state_t.hpp"
 #include "second_look/rec_clock_t.hpp"
 #include "second_look/rec_frame_t.hpp"
@@ -48,6 +49,31 @@ BaseState ToState(const second_look::rec_base_state_t& message) {
   }
   return state;
 }
+
+/// The images of the next frame of a camera, until it comes.
+class NextFrame {
+ public:
+  void Add(rec_image_t image) {
+    (image.image == rec_image_t::COLOR ? color_ : depth_).push_back(std::move(image));
+  }
+
+  Grabbed Take(const second_look::rec_frame_t& message) {
+    Grabbed grabbed;
+    grabbed.now = FromNanoseconds(message.now_ns);
+    grabbed.came = message.came != 0;
+    grabbed.frame.time = FromNanoseconds(message.time_ns);
+    grabbed.frame.sequence = static_cast<std::uint64_t>(message.sequence);
+    grabbed.color = std::exchange(color_, {});
+    grabbed.depth = std::exchange(depth_, {});
+    for (auto* pieces : {&grabbed.color, &grabbed.depth}) {
+      std::erase_if(*pieces, [&](const auto& p) { return p.sequence != message.sequence; });
+    }
+    return grabbed;
+  }
+
+ private:
+  std::vector<rec_image_t> color_, depth_;
+};
 
 /// Sorts the events of a log into a recording.
 class Loader {
@@ -120,11 +146,21 @@ class Loader {
       AddMotion(Decode<rec_motion_t>(event), &segment->base_starts, &segment->base_statuses);
     } else if (name == channel::kRecHeadMotion) {
       AddMotion(Decode<rec_motion_t>(event), &segment->head_starts, &segment->head_statuses);
+    } else if (name == channel::kRecArmState) {
+      const auto state = Decode<second_look::rec_arm_state_t>(event);
+      segment->arm_states.emplace_back(
+          ArmState{FromNanoseconds(state.time_ns),
+                   Eigen::Map<const Eigen::VectorXd>(state.q.data(), std::ssize(state.q))});
+    } else if (name == channel::kRecArmMotion) {
+      AddMotion(Decode<rec_motion_t>(event), &segment->arm_starts, &segment->arm_statuses);
     } else if (name == channel::kRecImage) {
-      rec_image_t image = Decode<rec_image_t>(event);
-      (image.image == rec_image_t::COLOR ? color_ : depth_).push_back(std::move(image));
+      head_.Add(Decode<rec_image_t>(event));
     } else if (name == channel::kRecFrame) {
-      AddFrame(Decode<second_look::rec_frame_t>(event), segment);
+      segment->frames.emplace_back(head_.Take(Decode<second_look::rec_frame_t>(event)));
+    } else if (name == channel::kRecHandImage) {
+      hand_.Add(Decode<rec_image_t>(event));
+    } else if (name == channel::kRecHandFrame) {
+      segment->hand_frames.emplace_back(hand_.Take(Decode<second_look::rec_frame_t>(event)));
     } else if (name == channel::kRecError) {
       AddError(Decode<rec_error_t>(event), segment);
     } else if (name == channel::kRecStop) {
@@ -155,20 +191,6 @@ class Loader {
     statuses->emplace_back(MotionStatus{static_cast<MotionPhase>(motion.phase), motion.reason});
   }
 
-  void AddFrame(const second_look::rec_frame_t& message, Segment* segment) {
-    Grabbed grabbed;
-    grabbed.now = FromNanoseconds(message.now_ns);
-    grabbed.came = message.came != 0;
-    grabbed.frame.time = FromNanoseconds(message.time_ns);
-    grabbed.frame.sequence = static_cast<std::uint64_t>(message.sequence);
-    grabbed.color = std::exchange(color_, {});
-    grabbed.depth = std::exchange(depth_, {});
-    for (auto* pieces : {&grabbed.color, &grabbed.depth}) {
-      std::erase_if(*pieces, [&](const auto& p) { return p.sequence != message.sequence; });
-    }
-    segment->frames.emplace_back(std::move(grabbed));
-  }
-
   static void AddError(const rec_error_t& error, Segment* segment) {
     switch (error.call) {
       case rec_error_t::BASE_STATE:
@@ -191,6 +213,18 @@ class Loader {
         break;
       case rec_error_t::GRAB:
         segment->frames.emplace_back(error);
+        break;
+      case rec_error_t::ARM_STATE:
+        segment->arm_states.emplace_back(error);
+        break;
+      case rec_error_t::ARM_START:
+        segment->arm_starts.emplace_back(error);
+        break;
+      case rec_error_t::ARM_STATUS:
+        segment->arm_statuses.emplace_back(error);
+        break;
+      case rec_error_t::HAND_GRAB:
+        segment->hand_frames.emplace_back(error);
         break;
       default:
         Throw<ProtocolError>("there is no call {}", error.call);
@@ -224,7 +258,8 @@ class Loader {
   transport::EventLogReader log_;
   Recording recording_;
   bool begun_{};
-  std::vector<rec_image_t> color_, depth_;  // of the next frame
+  NextFrame head_;
+  NextFrame hand_;
   int unreadable_{};
   int early_{};
 };

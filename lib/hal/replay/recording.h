@@ -45,7 +45,11 @@ struct Segment {
   std::vector<Answer<PanTiltState>> head_states;
   std::vector<Answer<Started>> head_starts;
   std::vector<Answer<MotionStatus>> head_statuses;
-  std::vector<Answer<Grabbed>> frames;
+  std::vector<Answer<ArmState>> arm_states;
+  std::vector<Answer<Started>> arm_starts;
+  std::vector<Answer<MotionStatus>> arm_statuses;
+  std::vector<Answer<Grabbed>> frames;           ///< Of the camera on the head.
+  std::vector<Answer<Grabbed>> hand_frames;      ///< Of that in the hand.
   std::vector<second_look::task_t> tasks;        ///< That were set, all at once.
   std::vector<second_look::rec_model_t> models;  ///< That were added to the database.
   std::optional<second_look::rec_stop_t> stop;   ///< The mission was to stop.

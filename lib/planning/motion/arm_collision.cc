@@ -77,7 +77,7 @@ std::vector<double> MotionRadii(const Chain& chain) {
   return radii;
 }
 
-double Reach(const Chain& chain) { return MotionRadii(chain).front(); }
+double ReachOf(const Chain& chain) { return MotionRadii(chain).front(); }
 
 struct ArmCollision::Shapes {
   struct Part {

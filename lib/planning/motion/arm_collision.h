@@ -30,7 +30,7 @@ struct ArmCollisionConfig {
 std::vector<double> MotionRadii(const kinematics::Chain& chain);
 
 /// From the first joint to the farthest point of the body in any posture, at most [m].
-double Reach(const kinematics::Chain& chain);
+double ReachOf(const kinematics::Chain& chain);
 
 /// Tests whether an arm would touch anything in some posture (FCL): every link that its joints move
 /// against the obstacles, and against all other links of the robot but those a single joint away.

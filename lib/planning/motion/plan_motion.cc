@@ -272,11 +272,7 @@ PlannedMotion PlanMotion(const ArmCollision& collision, const std::vector<hal::J
     return Refused(MotionOutcome::kGoalInCollision,
                    fmt::format("the goal is in collision: {}", *touch));
   }
-  std::vector<hal::JointInfo> gentle = joints;
-  for (hal::JointInfo& joint : gentle) {
-    joint.speed *= config.speed_share;
-    joint.acceleration *= config.speed_share;
-  }
+  const std::vector<hal::JointInfo> gentle = Gently(joints, config.speed_share);
   Rng rng(ForkSeed(seed, "motion"));
   Waypoints way{start, goal};
   if (!StraightIsFree(collision, start, goal, config.step_m)) {

@@ -79,6 +79,14 @@ hal::JointTrajectory StopAndGo(const std::vector<Eigen::VectorXd>& waypoints,
   return trajectory;
 }
 
+std::vector<hal::JointInfo> Gently(std::vector<hal::JointInfo> joints, double speed_share) {
+  for (hal::JointInfo& joint : joints) {
+    joint.speed *= speed_share;
+    joint.acceleration *= speed_share;
+  }
+  return joints;
+}
+
 double SecondsBetween(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
                       const std::vector<hal::JointInfo>& joints) {
   return Same(a, b) ? 0.0 : QuickestOver(b - a, joints).seconds();

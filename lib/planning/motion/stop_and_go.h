@@ -16,6 +16,9 @@ namespace secondlook::planning {
 hal::JointTrajectory StopAndGo(const std::vector<Eigen::VectorXd>& waypoints,
                                const std::vector<hal::JointInfo>& joints);
 
+/// The same joints, with so much of their limits of speed and acceleration.
+std::vector<hal::JointInfo> Gently(std::vector<hal::JointInfo> joints, double speed_share);
+
 /// Seconds that StopAndGo() takes from `a` to `b`.
 double SecondsBetween(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
                       const std::vector<hal::JointInfo>& joints);

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/experiments/experiment.h"
+#include "lib/world/object_database.h"
+#include "sim/scene.h"
+
+namespace secondlook::apps {
+
+/// Runs one mission of the default robot in `scene`, all its errors drawn from `seed`, and judges
+/// it: the `details` of docs/cli.md. With a `report` folder, leaves its scene and result there.
+nlohmann::ordered_json RunMissionTrial(const sim::Scene& scene, const ExperimentOptions& options,
+                                       const world::ObjectDatabase& database, std::uint64_t seed,
+                                       const std::filesystem::path& report);
+
+}  // namespace secondlook::apps
