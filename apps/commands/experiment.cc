@@ -24,6 +24,7 @@ constexpr Experiment kExperiments[] = {
     {"ppf-peers", RunPpfPeersExperiment, 100, 0},
     {"recognition", RunRecognitionExperiment, 10, 48},
     {"real-frames", RunRealFramesExperiment, 1000000, 0},  // all that there are
+    {"nbv-dataset", RunNbvDatasetExperiment, 1000000, 0},  // likewise
     {"pose-averaging", RunPoseAveragingExperiment, 3, 20},
     {"segmentation", RunSegmentationExperiment, 0, 0},  // 50 views, or all clouds that there are
     {"unobstructed", RunUnobstructedExperiment, 200, 0},
@@ -94,6 +95,8 @@ void AddExperiment(CLI::App* app, int*) {
   command->add_option("--models", experiment.models, "Folder of the known objects");
   command->add_option("--unfamiliar", experiment.unfamiliar, "Folder of the unknown objects");
   command->add_option("--data", experiment.data, "Folder of recorded data");
+  command->add_option("--classifier", experiment.classifier, "Model file of a classifier");
+  command->add_flag("--mirror", experiment.mirror, "Recorded sets are mirrored by chance");
   command->add_option("--report", experiment.report, "Folder for each trial's scene and result");
   command->add_option("--json", experiment.json, "Result as JSON; - is standard output");
   command->add_option("--threads", experiment.threads, "Trials side by side")

@@ -24,6 +24,8 @@ struct ExperimentOptions {
   std::string models;      ///< Folder of the object database.
   std::string unfamiliar;  ///< Folder of objects that are in no database; "": none.
   std::string data;        ///< Folder of recorded data, for the experiments that need it.
+  std::string classifier;  ///< Model file of a classifier, for the experiments that need one.
+  bool mirror{};           ///< Each set of recorded data is seen in a mirror or not, by chance.
   std::string report;      ///< Folder that keeps the scene and result of each trial; "": none.
   std::string json;        ///< Where the result goes; "-": standard output, "": nowhere.
   int threads = 2;         ///< Trials side by side.
@@ -53,6 +55,13 @@ void RunMissionsExperiment(const ExperimentOptions& options);
 /// a frame of the folder `options.data`.
 /// @throws ConfigError for a folder that has no such frame, or a frame that cannot be read.
 void RunRealFramesExperiment(const ExperimentOptions& options);
+
+/// Second views of an object chosen from a first one, on the data set of Hoseini 2021 or any part
+/// of it (`options.data`): a trial is a set, with both initial views in 15 cases each. The baseline
+/// is the single view.
+/// @throws ConfigError without `options.classifier`, for a folder without sets, or files that
+/// cannot be read.
+void RunNbvDatasetExperiment(const ExperimentOptions& options);
 
 /// Segmentation of clouds in which each point is labelled: a trial is a PCD of the folder
 /// `options.data`, or without one a simulated view of a crowded table. The baseline is the same

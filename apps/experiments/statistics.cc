@@ -36,31 +36,36 @@ Estimate Mean(const std::vector<double>& values) {
   return {mean, mean - half, mean + half};
 }
 
+Estimate Bootstrapped(int count, const std::function<double(const std::vector<int>&)>& figure) {
+  constexpr int kResamples = 2000;
+  if (count == 0) return {kNone, kNone, kNone};
+  Rng rng(1);
+  std::vector<int> trials(count);
+  std::vector<double> figures(kResamples);
+  for (double& resampled : figures) {
+    for (int& trial : trials) trial = rng.Index(count);
+    resampled = figure(trials);
+  }
+  std::sort(figures.begin(), figures.end());
+  std::iota(trials.begin(), trials.end(), 0);
+  return {figure(trials), figures[kResamples / 40], figures[kResamples - 1 - kResamples / 40]};
+}
+
 Estimate BootstrappedMean(const std::vector<double>& values) {
   return BootstrappedRatio(values, std::vector<double>(values.size(), 1.0));
 }
 
 Estimate BootstrappedRatio(const std::vector<double>& numerators,
                            const std::vector<double>& denominators) {
-  constexpr int kResamples = 2000;
-  const int count = static_cast<int>(numerators.size());
-  if (count == 0) return {kNone, kNone, kNone};
-  Rng rng(1);
-  std::vector<double> ratios(kResamples);
-  for (double& ratio : ratios) {
+  return Bootstrapped(static_cast<int>(numerators.size()), [&](const std::vector<int>& trials) {
     double above = 0.0;
     double below = 0.0;
-    for (int i = 0; i < count; ++i) {
-      const int drawn = rng.Index(count);
-      above += numerators[drawn];
-      below += denominators[drawn];
+    for (const int trial : trials) {
+      above += numerators[trial];
+      below += denominators[trial];
     }
-    ratio = above / below;
-  }
-  std::sort(ratios.begin(), ratios.end());
-  const double value = std::accumulate(numerators.begin(), numerators.end(), 0.0) /
-                       std::accumulate(denominators.begin(), denominators.end(), 0.0);
-  return {value, ratios[kResamples / 40], ratios[kResamples - 1 - kResamples / 40]};
+    return above / below;
+  });
 }
 
 }  // namespace secondlook::apps

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 namespace secondlook::apps {
@@ -17,6 +18,10 @@ Estimate Proportion(int hits, int count);
 /// The mean of `values` with the normal interval of its standard error; all NaN for none. With one
 /// value the interval is that value.
 Estimate Mean(const std::vector<double>& values);
+
+/// `figure` of the trials 0 … count - 1, with the interval of 2000 bootstrap resamples of them; all
+/// NaN for none. The same figures give the same interval.
+Estimate Bootstrapped(int count, const std::function<double(const std::vector<int>&)>& figure);
 
 /// The mean of differences `values` between two methods in the same trials, with the interval of
 /// 2000 bootstrap resamples of the trials; all NaN for none. The same values give the same

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
+#include <Eigen/Dense>
 #include <opencv2/imgproc.hpp>
 
 #include "lib/common/check_range.h"
@@ -90,65 +92,90 @@ double Parallelism(const cv::Mat& depth, const cv::Mat& foreground, const cv::Re
   return count == 0 ? kNone : -sum / count;
 }
 
-/// n_z of the plane through the object's pixels around (u, v); NaN when they are too few.
-double NormalZ(const cv::Mat& depth, const cv::Mat& foreground, int u, int v,
-               double focal_length_px) {
-  double n = 0.0;
-  double sx = 0.0;
-  double sy = 0.0;
-  double sz = 0.0;
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  double xz = 0.0;
-  double yz = 0.0;
-  for (int dv = -kSlopeRadius_px; dv <= kSlopeRadius_px; ++dv) {
-    for (int du = -kSlopeRadius_px; du <= kSlopeRadius_px; ++du) {
-      const int x = u + du;
-      const int y = v + dv;
-      if (x < 0 || y < 0 || x >= depth.cols || y >= depth.rows) continue;
+/// The normal of the plane through the object's pixels around (u, v), towards the camera (x right,
+/// y down, z = 1 for one that faces it); all NaN when they are too few.
+Eigen::Vector3d NormalAt(const cv::Mat& depth, const cv::Mat& foreground, int u, int v,
+                         double focal_length_px) {
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sums = Eigen::Vector3d::Zero();
+  for (int y = std::max(v - kSlopeRadius_px, 0); y <= std::min(v + kSlopeRadius_px, depth.rows - 1);
+       ++y) {
+    for (int x = std::max(u - kSlopeRadius_px, 0);
+         x <= std::min(u + kSlopeRadius_px, depth.cols - 1); ++x) {
       if (foreground.at<std::uint8_t>(y, x) == 0) continue;
-      const double z = depth.at<float>(y, x);
-      n += 1.0;
-      sx += du;
-      sy += dv;
-      sz += z;
-      xx += du * du;
-      xy += du * dv;
-      yy += dv * dv;
-      xz += du * z;
-      yz += dv * z;
+      const Eigen::Vector3d position(x - u, y - v, 1.0);
+      products += position * position.transpose();
+      sums += position * depth.at<float>(y, x);
     }
   }
-  if (n < kMinSlopePoints) return kNone;
-  const double cxx = xx - sx * sx / n;
-  const double cxy = xy - sx * sy / n;
-  const double cyy = yy - sy * sy / n;
-  const double cxz = xz - sx * sz / n;
-  const double cyz = yz - sy * sz / n;
-  const double determinant = cxx * cyy - cxy * cxy;
-  if (determinant < 1e-9) return kNone;
-  const double per_px = sz / n / focal_length_px;  // [m]
-  const double slope_x = (cyy * cxz - cxy * cyz) / determinant / per_px;
-  const double slope_y = (cxx * cyz - cxy * cxz) / determinant / per_px;
-  return 1.0 / std::sqrt(slope_x * slope_x + slope_y * slope_y + 1.0);
+  const Eigen::Vector3d none = Eigen::Vector3d::Constant(kNone);
+  if (products(2, 2) < kMinSlopePoints || products.determinant() < 1e-6) return none;
+  const Eigen::Vector3d plane = products.ldlt().solve(sums);
+  const double px_m = plane.z() / focal_length_px;
+  // As on the right of a ball, a surface whose depth grows to the right faces right.
+  return Eigen::Vector3d(plane.x() / px_m, plane.y() / px_m, 1.0).normalized();
 }
 
-double MetricParallelism(const cv::Mat& depth, const cv::Mat& foreground, const cv::Rect& tile,
-                         double focal_length_px, double max_slant_deg) {
+/// What is known of the surface at a pixel of the foreground.
+using Normals = cv::Mat_<cv::Vec3d>;  // NaN elsewhere
+
+Normals AllNormals(const cv::Mat& depth, const cv::Mat& foreground, double focal_length_px) {
+  Normals normals(depth.size(), cv::Vec3d(kNone, kNone, kNone));
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      if (foreground.at<std::uint8_t>(v, u) == 0) continue;
+      const Eigen::Vector3d n = NormalAt(depth, foreground, u, v, focal_length_px);
+      normals(v, u) = {n.x(), n.y(), n.z()};
+    }
+  }
+  return normals;
+}
+
+double MetricParallelism(const Normals& normals, const cv::Rect& tile, double max_slant_deg) {
   double sum = 0.0;
   int count = 0;
   for (int v = tile.y; v < tile.y + tile.height; ++v) {
     for (int u = tile.x; u < tile.x + tile.width; ++u) {
-      if (foreground.at<std::uint8_t>(v, u) == 0) continue;
-      const double n_z = NormalZ(depth, foreground, u, v, focal_length_px);
-      if (std::isnan(n_z)) continue;
-      sum += n_z;
+      if (std::isnan(normals(v, u)[2])) continue;
+      sum += normals(v, u)[2];
       ++count;
     }
   }
   if (count == 0) return kNone;
   return -std::max(sum / count, std::cos(max_slant_deg * std::numbers::pi / 180.0));
+}
+
+/// How the intensity [0, 1] grows with n_x and n_y, as on a matt surface under one light: the least
+/// squares fit over the object, black and white pixels left out, as they say nothing of light.
+/// Empty when the surface does not bend enough to tell.
+std::optional<Eigen::Vector2d> Shading(const cv::Mat& gray, const Normals& normals) {
+  constexpr int kBlack = 2;
+  constexpr int kWhite = 253;
+  constexpr int kMinPixels = 30;
+  constexpr double kDamping = 0.02;  // variance of a normal's component by which a fit is held back
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sums = Eigen::Vector3d::Zero();
+  for (int v = 0; v < gray.rows; ++v) {
+    for (int u = 0; u < gray.cols; ++u) {
+      const int level = gray.at<std::uint8_t>(v, u);
+      const cv::Vec3d& n = normals(v, u);
+      if (std::isnan(n[2]) || level < kBlack || level > kWhite) continue;
+      const Eigen::Vector3d terms(n[0], n[1], 1.0);
+      products += terms * terms.transpose();
+      sums += terms * Level(level);
+    }
+  }
+  const double count = products(2, 2);
+  if (count < kMinPixels) return std::nullopt;
+  products(0, 0) += kDamping * count;
+  products(1, 1) += kDamping * count;
+  return products.ldlt().solve(sums).head<2>();
+}
+
+/// Where the views of a tile look from, in the image (x right, y down), of length 1.
+Eigen::Vector2d Direction(Tile tile) {
+  const cv::Rect rect = TileRect({3, 3}, tile);
+  return Eigen::Vector2d(rect.x - 1, rect.y - 1).normalized();
 }
 
 void Check(const ObjectCrop& crop, const TileClassification* classification) {
@@ -222,6 +249,9 @@ std::vector<ScoredTile> ScoreTiles(const ObjectCrop& crop, const TileClassificat
                          cv::countNonZero(known) > 0;
   const cv::Mat depth = has_depth ? Filled(crop.depth) : cv::Mat();
   const cv::Mat foreground = has_depth ? DepthForeground(crop.depth) : cv::Mat();
+  const Normals normals =
+      has_depth ? AllNormals(depth, foreground, crop.focal_length_px) : Normals();
+  const std::optional<Eigen::Vector2d> shading = has_depth ? Shading(gray, normals) : std::nullopt;
 
   std::vector<ScoredTile> tiles;
   for (int t = 0; t < kTiles; ++t) {
@@ -248,8 +278,8 @@ std::vector<ScoredTile> ScoreTiles(const ObjectCrop& crop, const TileClassificat
     if (has_depth) {
       scored.foreground = cv::countNonZero(foreground(rect)) / static_cast<double>(rect.area());
       score(Criterion::kParallelism) = Parallelism(depth, foreground, rect);
-      score(Criterion::kMetricParallelism) =
-          MetricParallelism(depth, foreground, rect, crop.focal_length_px, config.max_slant_deg);
+      score(Criterion::kMetricParallelism) = MetricParallelism(normals, rect, config.max_slant_deg);
+      if (shading) score(Criterion::kLight) = shading->dot(Direction(scored.tile));
       if (scored.foreground < config.min_foreground) {
         scored.refusal =
             fmt::format("shows none of the object: {:.0f} % of its pixels, {:.0f} % needed",

@@ -26,13 +26,14 @@ enum class Criterion {
   kVariance,           ///< V, Eq. 3: contrast.
   kThirdMoment,        ///< L, Eq. 5: neither dark nor bright.
   kParallelism,        ///< P, Eq. 6: slanted surface; depth derivatives in metres a pixel.
+  kLight,              ///< Shading says that a view from there sees well-lit surface.
   kMetricParallelism,  ///< The same with normals in space, capped where it is too steep to see.
   kDissimilarity,      ///< S, Eq. 9: the tile is classified otherwise than the object.
   kUniformity,         ///< Eq. 10; this and what follows are the paper's baselines.
   kEntropy,            ///< Eq. 11.
   kInformationGain,    ///< Eq. 12.
 };
-inline constexpr int kCriteria = 8;
+inline constexpr int kCriteria = 9;
 
 /// One view of an object, cut to its bounding box.
 struct ObjectCrop {

@@ -36,7 +36,7 @@ cv::Mat PlaneDepth(double slope_x, double focal_length_px = 525.0) {
 ScoredTile Scored(Tile tile, double variance, double third_moment, double parallelism,
                   double dissimilarity) {
   ScoredTile scored{tile, {}, 1.0, ""};
-  scored.scores = {variance, third_moment, parallelism, 0.0, dissimilarity, 0.0, 0.0, 0.0};
+  scored.scores = {variance, third_moment, parallelism, 0.0, 0.0, dissimilarity, 0.0, 0.0, 0.0};
   return scored;
 }
 
@@ -96,6 +96,27 @@ TEST(ScoreTiles, CapsWhatIsTooSteepToBeSeen) {
   TileScoresConfig config;
   config.max_slant_deg = 60.0;
   EXPECT_NEAR(ScoreTiles(crop, nullptr, config)[3].Of(Criterion::kMetricParallelism), -0.5, 1e-9);
+}
+
+TEST(ScoreTiles, FindsTheSideThatTheLightComesFrom) {
+  // A matt ball of 60 mm at 0.8 m, lit from the upper left.
+  ObjectCrop crop{cv::Mat(80, 80, CV_8UC3, cv::Scalar(0, 0, 0)),
+                  cv::Mat(80, 80, CV_32FC1, cv::Scalar(1.5)), 525.0};
+  const double px_m = 0.8 / crop.focal_length_px;
+  for (int v = 0; v < 80; ++v) {
+    for (int u = 0; u < 80; ++u) {
+      const double x = (u - 40) * px_m;
+      const double y = (v - 40) * px_m;
+      const double height = 0.055 * 0.055 - x * x - y * y;
+      if (height < 0.0) continue;
+      crop.depth.at<float>(v, u) = static_cast<float>(0.8 - std::sqrt(height));
+      const double light = (-0.5 * x - 0.5 * y + 0.7 * std::sqrt(height)) / 0.055;
+      const double level = std::max(0.0, 200.0 * light);
+      crop.color.at<cv::Vec3b>(v, u) = cv::Vec3b::all(static_cast<std::uint8_t>(level));
+    }
+  }
+  const TileRanking ranking = RankTiles(ScoreTiles(crop, nullptr), {{Criterion::kLight}});
+  EXPECT_EQ(ranking.tiles.front().tile, Tile::kUpperLeft);
 }
 
 TEST(ScoreTiles, TakesUnknownDepthForTheBackground) {
