@@ -12,6 +12,7 @@
 #include <Eigen/Dense>
 
 #include "apps/experiments/nbv_distortion.h"
+#include "lib/common/rng.h"
 #include "lib/fusion/decision_fusion.h"
 #include "lib/planning/tile_vote.h"
 
@@ -119,6 +120,14 @@ class Analysis {
           [&](const NbvCase& one) { return wanted < 0 || one.distortion == wanted; })));
     }
     return count;
+  }
+
+  /// m(empty) of the first view of a case and the view of a side, of two sets or of one.
+  double Conflict(int front_set, int which, int side_set, std::size_t side) const {
+    constexpr FusionRule kRule = FusionRule::kNaiveBayes;  // nothing discounted
+    return FuseDecisions(kRule, {View(sets_[front_set].cases[which].front, kRule),
+                                 View(sets_[side_set].sides[side], kRule)})
+        .masses.conflict;
   }
 
   static constexpr double kAlways = std::numeric_limits<double>::infinity();
@@ -360,6 +369,41 @@ double CalibrationError(const std::vector<Tally>& tallies, const std::vector<int
   return all > 0.0 ? error / all : 0.0;
 }
 
+/// m(empty) of a view and one of the same object, and of a view and one of another class: as many
+/// draws as there are.
+struct Conflicts {
+  std::vector<double> right;
+  std::vector<double> wrong;
+};
+
+Conflicts DrawConflicts(const Analysis& analysis) {
+  constexpr int kDraws = 1000;
+  Conflicts conflicts;
+  Rng rng(1);
+  const std::vector<NbvSet>& sets = analysis.sets();
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const int i = rng.Index(analysis.set_count());
+    const int other = rng.Index(analysis.set_count());
+    const int which = rng.Index(static_cast<int>(sets[i].cases.size()));
+    const auto side = static_cast<std::size_t>(rng.Index(kSideCount));
+    if (sets[other].truth == sets[i].truth) continue;
+    conflicts.right.push_back(analysis.Conflict(i, which, i, side));
+    conflicts.wrong.push_back(analysis.Conflict(i, which, other, side));
+  }
+  return conflicts;
+}
+
+/// The chance that a wrong match has more conflict than a right one.
+double AreaUnderCurve(const Conflicts& conflicts) {
+  double wins = 0.0;
+  for (const double wrong : conflicts.wrong) {
+    for (const double right : conflicts.right) {
+      wins += wrong > right ? 1.0 : (wrong == right ? 0.5 : 0.0);
+    }
+  }
+  return wins / static_cast<double>(conflicts.wrong.size() * conflicts.right.size());
+}
+
 class Rows {
  public:
   Rows(const Analysis& analysis, const NbvClassifier& classifier)
@@ -370,6 +414,7 @@ class Rows {
     Gaps();
     Measures();
     Gates();
+    WrongMatches();
     Distortions();
     return rows_;
   }
@@ -478,6 +523,20 @@ class Rows {
     };
     gain("paper's vote", 0.283);  // Hoseini 2021, 5.5, with its SVM
     gain("random side", 0.235);
+  }
+
+  void WrongMatches() {
+    const Conflicts conflicts = DrawConflicts(analysis_);
+    if (conflicts.right.empty()) return;
+    std::vector<double> right = conflicts.right;
+    std::sort(right.begin(), right.end());
+    const double threshold = right[right.size() * 95 / 100];
+    const auto flagged = std::count_if(conflicts.wrong.begin(), conflicts.wrong.end(),
+                                       [&](double conflict) { return conflict > threshold; });
+    rows_.push_back({"wrong matches flagged by m(empty) at 5 % false alarms",
+                     Proportion(static_cast<int>(flagged), static_cast<int>(right.size()))});
+    const double area = AreaUnderCurve(conflicts);
+    rows_.push_back({"wrong matches by m(empty): area under the ROC curve", {area, area, area}});
   }
 
   void Distortions() {

@@ -16,8 +16,9 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr int kLevels = 256;
-constexpr int kSlopeRadius_px = 2;  // of the window that a slope is fitted to: sensor noise
-constexpr int kMinSlopePoints = 8;  // in it
+constexpr int kSlopeRadius_px = 2;      // of the window that a slope is fitted to: sensor noise
+constexpr int kMinSlopePoints = 8;      // in it
+constexpr double kEnoughNormals = 4e4;  // of a larger crop not every pixel gets one
 
 bool IsKnown(float z) { return std::isfinite(z) && z > 0.0F; }
 
@@ -116,13 +117,14 @@ Eigen::Vector3d NormalAt(const cv::Mat& depth, const cv::Mat& foreground, int u,
   return Eigen::Vector3d(plane.x() / px_m, plane.y() / px_m, 1.0).normalized();
 }
 
-/// What is known of the surface at a pixel of the foreground.
+/// By pixel of the foreground, where it is known.
 using Normals = cv::Mat_<cv::Vec3d>;  // NaN elsewhere
 
 Normals AllNormals(const cv::Mat& depth, const cv::Mat& foreground, double focal_length_px) {
   Normals normals(depth.size(), cv::Vec3d(kNone, kNone, kNone));
-  for (int v = 0; v < depth.rows; ++v) {
-    for (int u = 0; u < depth.cols; ++u) {
+  const int step = std::max(1, static_cast<int>(std::sqrt(depth.total() / kEnoughNormals)));
+  for (int v = 0; v < depth.rows; v += step) {
+    for (int u = 0; u < depth.cols; u += step) {
       if (foreground.at<std::uint8_t>(v, u) == 0) continue;
       const Eigen::Vector3d n = NormalAt(depth, foreground, u, v, focal_length_px);
       normals(v, u) = {n.x(), n.y(), n.z()};
