@@ -8,6 +8,7 @@
 #include "lib/fusion/dempster_shafer.h"
 #include "lib/planning/collision.h"
 #include "lib/planning/cost_map.h"
+#include "lib/planning/look_check.h"
 #include "lib/planning/path.h"
 
 namespace secondlook::apps {
@@ -24,6 +25,8 @@ constexpr double kMinSupport = 0.15;
 constexpr std::size_t kMaxHypotheses = 4;
 /// Of so many looks, the best for their own sake, it is asked what else they show.
 constexpr std::size_t kLooksBeside = 8;
+/// Cameras no farther apart see the same [m].
+constexpr double kSamePlace = 0.05;
 /// Nothing is thinner than this [m].
 constexpr double kThinnest = 0.005;
 
@@ -73,16 +76,15 @@ LookPlanner::LookPlanner(const LookConfig& config, const UnderstandingConfig& un
 std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene,
                                                  const world::Task& task, const Question& question,
                                                  const Stance& stance, Rng* rng) {
+  const world::VoxelSpace& space = scene.space();
   const world::SupportPlane& plane_W = *scene.belief().plane_W;
   const std::vector<world::SupportPlane> supports_W{plane_W};
   Vector3d center_W = Vector3d::Zero();
   for (const Vector3d& corner : plane_W.corners_A) center_W += corner / 4.0;
-  planning::CostMap map(scene.space(), supports_W, carrier_.base, center_W.head<2>(),
-                        config_.cost_map);
+  planning::CostMap map(space, supports_W, carrier_.base, center_W.head<2>(), config_.cost_map);
   std::erase_if(blocked_, [&](const Blocked& blocked) { return blocked.until <= stance.time; });
   for (const Blocked& blocked : blocked_) map.Block(blocked.p_W, config_.blocked_radius_m);
-  const planning::CollisionChecker collision(scene.space(), supports_W, carrier_.base,
-                                             config_.cost_map);
+  const planning::CollisionChecker collision(space, supports_W, carrier_.base, config_.cost_map);
   const planning::Routes routes(map, stance.X_WB, carrier_.base);
   const planning::Reach reach{collision, routes, stance.head};
 
@@ -93,7 +95,7 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
 
   const planning::CommonGround ground(scene.reference().Points(), registration_);
   std::optional<planning::ArmCollision> around_arm;
-  if (arm_ && !targets.empty()) around_arm = arm_->CollisionAt(stance, scene.space(), supports_W);
+  if (arm_ && !targets.empty()) around_arm = arm_->CollisionAt(stance, space, supports_W);
   const hal::JointTrajectory folding = arm_ ? arm_->Folding(stance.q) : hal::JointTrajectory{};
   std::vector<world::Look> looks;
   std::vector<int> target_of;  // one a look
@@ -113,12 +115,12 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
       view.arm_motion = folding;
       view.seconds += folding.seconds();
     }
-    add(Score(scene, targets[t], ground, LookWay::kHead, std::move(views), rng));
+    add(Score(space, targets[t], ground, LookWay::kHead, std::move(views), rng));
     if (!arm_) continue;
-    add(Score(scene, targets[t], ground, LookWay::kArm,
+    add(Score(space, targets[t], ground, LookWay::kArm,
               arm_->Views(box_W.center(), id, stance, *around_arm), rng));
   }
-  if (ByLoss()) AddGainsBeside(scene.space(), ground, targets, target_of, &looks);
+  if (ByLoss()) AddGainsBeside(space, ground, targets, target_of, &looks);
   return looks;
 }
 
@@ -132,17 +134,31 @@ const hal::CameraInfo& LookPlanner::CameraOf(LookWay way) const {
 }
 
 /// The views of one target that are all reached in one way, scored.
-std::vector<world::Look> LookPlanner::Score(const SceneUnderstanding& scene,
+std::vector<world::Look> LookPlanner::Score(const world::VoxelSpace& space,
                                             const planning::AspectTarget& target,
                                             const planning::CommonGround& ground, LookWay way,
                                             std::vector<world::Look> views, Rng* rng) const {
   planning::AspectGraph graph = planning::ScoreAspectGraph(
-      scene.space(), CameraOf(way).model, target, std::move(views), rng, config_.aspect_graph);
+      space, CameraOf(way).model, target, std::move(views), rng, config_.aspect_graph);
   for (world::Look& look : graph.looks) {
+    if (look.feasible) CheckNotInVain(&look);
     look.kind = target.id < 0 ? "hidden_space" : "aspect_graph";
     if (ByLoss() && look.feasible) WeighByCommonGround(ground, &look);
   }
   return std::move(graph.looks);
+}
+
+/// Whoever has learned nothing there, with nothing moved since, learns nothing there again.
+void LookPlanner::CheckNotInVain(world::Look* look) const {
+  const auto same = std::find_if(
+      vain_views_W_.begin(), vain_views_W_.end(),
+      [&](const Vector3d& p) { return (look->X_WC.translation() - p).norm() < kSamePlace; });
+  if (same == vain_views_W_.end()) return;
+  look->feasible =
+      planning::AddCheck("not in vain", false,
+                         fmt::format("a view from ({:.2f}, {:.2f}, {:.2f}) m taught nothing",
+                                     same->x(), same->y(), same->z()),
+                         look);
 }
 
 /// A view that cannot be registered to the map brings nothing.

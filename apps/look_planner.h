@@ -80,10 +80,11 @@ class LookPlanner {
                                    const Eigen::AlignedBox3d& hidden_W) const;
   bool ByLoss() const;
   const hal::CameraInfo& CameraOf(world::LookWay way) const;
-  std::vector<world::Look> Score(const SceneUnderstanding& scene,
+  std::vector<world::Look> Score(const world::VoxelSpace& space,
                                  const planning::AspectTarget& target,
                                  const planning::CommonGround& ground, world::LookWay way,
                                  std::vector<world::Look> views, Rng* rng) const;
+  void CheckNotInVain(world::Look* look) const;
   void WeighByCommonGround(const planning::CommonGround& ground, world::Look* look) const;
   void AddGainsBeside(const world::VoxelSpace& space, const planning::CommonGround& ground,
                       const std::vector<planning::AspectTarget>& targets,

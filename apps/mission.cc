@@ -160,7 +160,14 @@ void Mission::RequireDepth(const Capture& capture) {
       Eye().name, blind_frames_);
 }
 
-void Mission::Understand(const Capture& capture) {
+/// A view that was registered says where the base really stands; so it stands there for the next
+/// view, too, if only head and arm have moved in between.
+void Mission::Understand(Capture capture) {
+  const Pose X_measured = capture.X_WC;
+  if (X_RegisteredMeasured_) {
+    capture.X_WC = *X_RegisteredMeasured_ * X_measured;
+    capture.p_CB_W = X_RegisteredMeasured_->linear() * capture.p_CB_W;
+  }
   publisher_->Doing("understanding", fmt::format("frame {}", capture.frame.sequence),
                     robot_->clock->Now());
   publisher_->Image(capture.frame);
@@ -169,9 +176,11 @@ void Mission::Understand(const Capture& capture) {
   const std::string reason = scene_.Add(capture);
   stages_.push_back({"understand", config_.looks.understand_seconds, watch.Seconds()});
   TellView(capture, reason);
-  if (!reason.empty()) {
+  if (reason.empty()) {
+    X_RegisteredMeasured_ = belief().views.back().X_WC * X_measured.inverse();
+  } else {
     spdlog::warn("nothing learned from frame {}: {}", capture.frame.sequence, reason);
-    planner_.NoteVain(capture.X_WC.translation());
+    planner_.NoteVain(X_measured.translation());
   }
   for (const ObjectBelief& object : belief().objects) {
     std::string& told = told_[object.id];
@@ -325,6 +334,7 @@ Progress Mission::Act(TakenLook taken) {
   record_.motion_seconds += SecondsSince(begin);
   record_.metres += outcome.metres;
   const bool reached = outcome.kind == DriveOutcome::Kind::kReached;
+  if (!look.path_W.empty()) X_RegisteredMeasured_.reset();
   eye_ = reached ? look.way : world::LookWay::kHead;
   if (!look.arm_motion.knots.empty()) planner_.NoteArm(look.arm_motion, robot_->arm->State().q);
   if (look.kind == "hidden_space") ++(reached ? explored_ : vain_);

@@ -105,7 +105,7 @@ class Mission {
   const hal::CameraInfo& Eye() const;
   std::optional<Capture> Grab();
   void RequireDepth(const Capture& capture);
-  void Understand(const Capture& capture);
+  void Understand(Capture capture);
   TakenLook ScoreLooks(const Question& question);
   Question WhatIsOpen() const;
   bool AllWantedFound() const;
@@ -137,11 +137,13 @@ class Mission {
   LookPlanner planner_;
   std::map<int, std::string> told_;            // last logged reason, by object
   world::LookWay eye_{world::LookWay::kHead};  // the camera of the next view
-  int blind_frames_{};                         // without any depth, in a row
-  int searched_{};                             // head poses tried in vain
-  int explored_{};                             // looks at hidden space that got there
-  int vain_{};                                 // … and that did not
-  std::vector<StageTime> stages_;              // of this step
+  // From where localisation has the base to where a view was registered, while it stands there.
+  std::optional<Pose> X_RegisteredMeasured_;
+  int blind_frames_{};             // without any depth, in a row
+  int searched_{};                 // head poses tried in vain
+  int explored_{};                 // looks at hidden space that got there
+  int vain_{};                     // … and that did not
+  std::vector<StageTime> stages_;  // of this step
   Time start_;
   Progress progress_{Progress::kMore};
   MissionRecord record_;

@@ -1,8 +1,8 @@
 // From what is believed after a view to the goal that is sent: the default mission's first choice,
-// two threads, all included (regions nobody has seen, candidates and their checks, rays, look-ahead,
-// the choice, all candidates and the goal as messages). First the gate: one thread and two choose
-// the same look with the same score, a goal is sent, and the base fits there among the true meshes;
-// the status is 1 when not.
+// two threads, all included (regions nobody has seen, candidates and their checks, rays,
+// look-ahead, the choice, all candidates and the goal as messages). First the gate: one thread and
+// two choose the same look with the same score, a goal is sent, and the base fits there among the
+// true meshes; the status is 1 when not.
 //   look_to_goal [--benchmark_…]
 #include <string>
 #include <vector>

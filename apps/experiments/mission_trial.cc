@@ -83,11 +83,9 @@ Json RunMissionTrial(const sim::Scene& scene, const ExperimentOptions& options,
   trial["end"] = ToString(progress);
   trial["why"] = mission.record().end;
   trial["looks"] = mission.record().looks.size();
-  trial["not_reached"] =
-      std::count_if(mission.record().looks.begin(), mission.record().looks.end(),
-                    [](const TakenLook& taken) {
-                      return taken.look.chosen && taken.outcome != "reached";
-                    });
+  trial["not_reached"] = std::count_if(
+      mission.record().looks.begin(), mission.record().looks.end(),
+      [](const TakenLook& taken) { return taken.look.chosen && taken.outcome != "reached"; });
   trial["robot_seconds"] = mission.record().total_seconds;
   trial["metres"] = mission.record().metres;
   trial["collisions"] = simulated.world->collisions().size();

@@ -188,9 +188,8 @@ Json RunTrial(const Repertoire& repertoire, std::uint64_t seed) {
     CandidateJudge judge(footing, known.space(), config, carrier.base, camera.world().noise(),
                          X_TrueBelieved, &rng);
     for (const world::ObjectBelief& object : known.belief().objects) {
-      for (const world::Look& look :
-           planning::CandidateViews(object.extent_W.center(), object.id, carrier,
-                                    {collision, routes, stance.head})) {
+      for (const world::Look& look : planning::CandidateViews(
+               object.extent_W.center(), object.id, carrier, {collision, routes, stance.head})) {
         judge.Judge(look, &tally);
       }
     }

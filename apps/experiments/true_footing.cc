@@ -25,8 +25,7 @@ TrueFooting::TrueFooting(const std::vector<sim::Fixture>& fixtures)
 
 TrueFooting::~TrueFooting() = default;
 
-bool TrueFooting::Free(const Eigen::Vector2d& p_W, double radius, double bottom,
-                       double top) const {
+bool TrueFooting::Free(const Eigen::Vector2d& p_W, double radius, double bottom, double top) const {
   const fcl::Cylinderd cylinder(radius, top - bottom);
   Pose X_WF = Pose::Identity();
   X_WF.translation() << p_W.x(), p_W.y(), 0.5 * (bottom + top);

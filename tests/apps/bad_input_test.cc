@@ -170,15 +170,6 @@ TEST_F(BadInput, NamesARobotThatCannotMoveOrArm) {
   const std::string arm = "robot.arm={urdf: sim/robots/arm.urdf";
   Expect(Run({"--set", arm + ", home_deg: [0, 90, 0, 0, 0, 0, 0]}"}), 2,
          "arm 'arm': where it stands at the beginning it reaches 1.");
-  // Boxes all around: the base can go nowhere.
-  WriteFile(world_ / "scene.yaml", ReadFile(world_ / "scene.yaml") +
-                                       "boxes:\n"
-                                       "  - {size: [0.1, 1.6, 0.6], position: [-0.9, 0, 0]}\n"
-                                       "  - {size: [0.1, 1.6, 0.6], position: [-2.1, 0, 0]}\n"
-                                       "  - {size: [1.1, 0.1, 0.6], position: [-1.5, 0.6, 0]}\n"
-                                       "  - {size: [1.1, 0.1, 0.6], position: [-1.5, -0.6, 0]}\n");
-  const ProgramResult shut_in = Run();
-  EXPECT_EQ(shut_in.status, 0) << shut_in.err;
 }
 
 TEST_F(BadInput, NamesACameraThatDeliversNoDepthNothingOrIsLost) {

@@ -1,5 +1,7 @@
 #include "apps/look_planner.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -67,6 +69,30 @@ TEST_F(LookPlanning, RefusesATargetThatIsNowhere) {
   EXPECT_THROWS(Candidates(Hidden({nan, 0.1, 0.1}), &planner), InvalidArgument, "target -1");
 }
 
+TEST_F(LookPlanning, RefusesToLookAgainFromWhereAViewTaughtNothing) {
+  LookPlanner planner({}, {}, CarrierOf(camera_));
+  const Question question = Hidden({0.2, 0.2, 0.1});
+  std::vector<world::Look> looks = Candidates(question, &planner);
+  const planning::LookChoice choice = planning::ChooseLook(&looks);
+  ASSERT_TRUE(choice.index);
+  planner.NoteVain(looks[*choice.index].X_WC.translation() + Vector3d(0.0, 0.03, 0.0));
+  const world::Look again = Candidates(question, &planner)[*choice.index];
+  EXPECT_FALSE(again.feasible);
+  EXPECT_TRUE(again.reason.starts_with("not in vain: a view from (")) << again.reason;
+}
+
+TEST_F(LookPlanning, SaysWhatRefusedEveryLookOfARobotThatIsShutIn) {
+  LookPlanner planner({}, {}, CarrierOf(camera_));
+  for (double a = 0.0; a < 6.3; a += 0.25) {
+    planner.Block({-1.5 + 0.8 * std::cos(a), 0.8 * std::sin(a)}, stance_.time);
+  }
+  std::vector<world::Look> looks = Candidates(Hidden({0.2, 0.2, 0.1}), &planner);
+  const planning::LookChoice choice = planning::ChooseLook(&looks);
+  EXPECT_FALSE(choice.index);
+  EXPECT_THAT(choice.reason, ::testing::StartsWith("38 of 38 refused: "));
+  EXPECT_THAT(choice.reason, ::testing::HasSubstr(" path"));
+}
+
 TEST_F(LookPlanning, ForgetsWhatClosedAWayAfterAWhile) {
   LookPlanner planner({}, {}, CarrierOf(camera_));
   const Question question = Hidden({0.2, 0.2, 0.1});
@@ -94,11 +120,11 @@ TEST_F(LookPlanning, BeginsLooksByTheBaseWithFoldingTheArm) {
   LookPlanner planner({}, {}, CarrierOf(camera_));
   const Question question = Hidden({0.2, 0.2, 0.1});
   const std::vector<world::Look> without = Candidates(question, &planner);
-  planner.KnowArm({{},
-                   {robot.base->info(), robot.arm->info(), robot.hand_camera->info(),
-                    *simulated.hand},
-                   stance_.q,
-                   1});
+  planner.KnowArm(
+      {{},
+       {robot.base->info(), robot.arm->info(), robot.hand_camera->info(), *simulated.hand},
+       stance_.q,
+       1});
   const std::vector<world::Look> folded = Candidates(question, &planner);
   EXPECT_GT(folded.size(), without.size());
   for (std::size_t i = 0; i < folded.size(); ++i) {

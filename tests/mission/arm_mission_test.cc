@@ -60,8 +60,8 @@ TEST_F(ArmMission, IsTheSameForAnyNumberOfThreads) {
 
 TEST_F(ArmMission, LeavesAnArmAloneWhoseCameraMeasuresNoDepth) {
   const ProgramResult result =
-      testing::RunProgram({"run", "--config", world_.config().string(), "--lcm-url", "none", "--set",
-                           "robot.arm.camera_has_depth=false"});
+      testing::RunProgram({"run", "--config", world_.config().string(), "--lcm-url", "none",
+                           "--set", "robot.arm.camera_has_depth=false"});
   EXPECT_THAT(result.err, HasSubstr("camera 'hand' measures no depth, so that its views cannot add "
                                     "to the map: arm 'arm' stays where it is"));
   EXPECT_THAT(result.err, Not(HasSubstr("by the arm;")));
