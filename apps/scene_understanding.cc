@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "lib/fusion/match.h"
 #include "lib/geometry/kd_tree.h"
 #include "lib/geometry/point_image.h"
@@ -28,6 +30,10 @@ constexpr double kSamePose_m = 0.03;
 /// How well the surface of a verified model is known in the map.
 constexpr double kModelSigma_m = 0.003;
 constexpr double kPointSpacing_m = 0.005;
+/// A view that lies in the map no better than this is registered by what it recognises, too …
+constexpr double kLoose_m = 0.008;
+/// … which a hypothesis tells when it is more likely right than not.
+constexpr double kLandmarkScore = 0.5;
 /// A thing is gone when of at least so many points seen of it, a view sees through this share.
 constexpr int kGonePoints = 40;
 constexpr double kGoneShare = 0.5;
@@ -112,7 +118,7 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
 
   const std::vector<perception::SurfacePoint> points_C =
       perception::ViewPoints(frame.depth, capture.camera, *cut.plane_C, config_.registration);
-  const perception::ViewRegistration registration = Register(points_C, capture);
+  const perception::ViewRegistration registration = Register(points_C, capture, cut);
   if (!registration.accepted) return registration.reason;
   const Pose& X_WC = registration.X_WC;
   const std::vector<int> gone = Gone(capture, X_WC);
@@ -303,9 +309,12 @@ std::string SceneUnderstanding::Contradiction(const Capture& capture, const Pose
                      sum.see_through, sum.matching);
 }
 
-/// The first view defines the map; the others are registered to it.
+/// The first view defines the map; the others are registered to it. What a view recognises has
+/// sides that it does not see and another view did: one that shares too little with the map is
+/// registered by these, too.
 perception::ViewRegistration SceneUnderstanding::Register(
-    const std::vector<perception::SurfacePoint>& points_C, const Capture& capture) const {
+    std::vector<perception::SurfacePoint> points_C, const Capture& capture,
+    const perception::Segmentation& cut) const {
   if (reference_.empty()) {
     perception::ViewRegistration first;
     first.X_WC = capture.X_WC;
@@ -314,8 +323,49 @@ perception::ViewRegistration SceneUnderstanding::Register(
   }
   const perception::PoseCovariance covariance =
       perception::NominalCovariance(config_.registration, capture.p_CB_W);
-  return perception::RegisterView(points_C, reference_, capture.X_WC, covariance,
-                                  config_.registration);
+  const auto register_by = [&](const std::vector<perception::SurfacePoint>& points) {
+    return perception::RegisterView(points, reference_, capture.X_WC, covariance,
+                                    config_.registration);
+  };
+  const perception::ViewRegistration by_surface = register_by(points_C);
+  if (by_surface.accepted && SpreadOf(by_surface) <= kLoose_m) return by_surface;
+  const std::vector<perception::SurfacePoint> hidden_C = HiddenSides(capture, cut);
+  if (hidden_C.empty()) return by_surface;
+  points_C.insert(points_C.end(), hidden_C.begin(), hidden_C.end());
+  const perception::ViewRegistration by_things = register_by(points_C);
+  const bool better =
+      by_things.accepted && (!by_surface.accepted || SpreadOf(by_things) < SpreadOf(by_surface));
+  return better ? by_things : by_surface;
+}
+
+/// The surfaces that face away from the camera, of all that a view recognises by itself.
+std::vector<perception::SurfacePoint> SceneUnderstanding::HiddenSides(
+    const Capture& capture, const perception::Segmentation& cut) const {
+  const perception::View view =
+      perception::MakeView(capture.frame.color, capture.frame.depth, capture.camera, *cut.plane_C,
+                           cut.clusters, cut.FurtherPlanes());
+  const perception::Regrouped found =
+      perception::RecogniseRegrouping(view, cut.clusters, models_, config_.recognise);
+  std::vector<perception::SurfacePoint> hidden_C;
+  for (const world::Detection& detection : found.detections) {
+    const auto best = std::max_element(
+        detection.hypotheses.begin(), detection.hypotheses.end(),
+        [](const world::Hypothesis& a, const world::Hypothesis& b) { return a.score < b.score; });
+    if (best == detection.hypotheses.end() || best->score < kLandmarkScore) continue;
+    for (const perception::ModelPoint& p : ModelOf(best->model).points) {
+      const Vector3d p_CP = best->X_CM * p.point.cast<double>();
+      const Vector3d normal_C = best->X_CM.linear() * p.normal.cast<double>();
+      if (normal_C.dot(p_CP) > 0.0) hidden_C.push_back({p_CP, normal_C, kModelSigma_m});
+    }
+  }
+  return hidden_C;
+}
+
+/// How far off a view's points may lie in the map, in the worst direction [m].
+double SceneUnderstanding::SpreadOf(const perception::ViewRegistration& registration) const {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(ErrorOf(registration),
+                                                             Eigen::EigenvaluesOnly);
+  return std::sqrt(eigen.eigenvalues().maxCoeff());
 }
 
 void SceneUnderstanding::GrowPlane(const std::vector<Vector3d>& plane_points_C,
@@ -672,7 +722,7 @@ void SceneUnderstanding::EnterNewestView() {
 /// Lets what is verified, and nothing else, stand in the map as its whole model.
 void SceneUnderstanding::PlaceVerified() {
   for (const ObjectBelief& object : belief_.objects) {
-    if (object.state == ObjectState::kVerified) {
+    if (object.state == ObjectState::kVerified && config_.known_in_map) {
       const PoseHypothesis& best = *object.Best();
       space_.Place(object.id, ModelOf(best.model).mesh, best.X_WM);
     } else {

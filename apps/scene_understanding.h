@@ -9,6 +9,7 @@
 #include "apps/multi_view_verification.h"
 #include "lib/perception/recognition_model.h"
 #include "lib/perception/register_view.h"
+#include "lib/perception/segment.h"
 #include "lib/perception/view.h"
 #include "lib/world/object_database.h"
 #include "lib/world/scene_belief.h"
@@ -72,8 +73,12 @@ class SceneUnderstanding {
     Eigen::Vector3d center_W;
   };
 
-  perception::ViewRegistration Register(const std::vector<perception::SurfacePoint>& points_C,
-                                        const Capture& capture) const;
+  perception::ViewRegistration Register(std::vector<perception::SurfacePoint> points_C,
+                                        const Capture& capture,
+                                        const perception::Segmentation& cut) const;
+  std::vector<perception::SurfacePoint> HiddenSides(const Capture& capture,
+                                                    const perception::Segmentation& cut) const;
+  double SpreadOf(const perception::ViewRegistration& registration) const;
   std::vector<int> Gone(const Capture& capture, const Pose& X_WC) const;
   void Unlearn(int view, world::ObjectBelief* object);
   std::string Contradiction(const Capture& capture, const Pose& X_WC,
