@@ -15,8 +15,10 @@ namespace {
 using Eigen::Vector3d;
 using world::ObjectBelief;
 
-/// Hypotheses with less than this share of the best one's support do not guide a look …
+/// Hypotheses with less than this share of the best one's support do not guide a look, but for the
+/// best of a class that is believed so much: what must be told from it, though it fits worse …
 constexpr double kMinSupportShare = 0.3;
+constexpr double kMinBelief = 0.01;
 /// … and below this support, no model fits at all.
 constexpr double kMinSupport = 0.15;
 constexpr std::size_t kMaxHypotheses = 4;
@@ -64,15 +66,14 @@ LookPlanner::LookPlanner(const LookConfig& config, const UnderstandingConfig& un
 std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene,
                                                  const world::Task& task, const Question& question,
                                                  const Stance& stance, Rng* rng) {
+  const world::VoxelSpace& space = question.map != nullptr ? *question.map : scene.space();
   const world::SupportPlane& plane_W = *scene.belief().plane_W;
   const std::vector<world::SupportPlane> supports_W{plane_W};
   Vector3d center_W = Vector3d::Zero();
   for (const Vector3d& corner : plane_W.corners_A) center_W += corner / 4.0;
-  planning::CostMap map(scene.space(), supports_W, carrier_.base, center_W.head<2>(),
-                        config_.cost_map);
+  planning::CostMap map(space, supports_W, carrier_.base, center_W.head<2>(), config_.cost_map);
   for (const Eigen::Vector2d& p : blocked_W_) map.Block(p, config_.blocked_radius_m);
-  const planning::CollisionChecker collision(scene.space(), supports_W, carrier_.base,
-                                             config_.cost_map);
+  const planning::CollisionChecker collision(space, supports_W, carrier_.base, config_.cost_map);
   const planning::Routes routes(map, stance.X_WB, carrier_.base);
   const planning::Reach reach{collision, routes, stance.head};
 
@@ -94,25 +95,29 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
     for (world::Look& view : planning::PlacedViews(box_W, id, carrier_, reach, config_.views)) {
       views.push_back(std::move(view));
     }
-    planning::AspectGraph graph =
-        planning::ScoreAspectGraph(scene.space(), carrier_.camera.model, targets[t],
-                                   std::move(views), rng, config_.aspect_graph);
+    planning::AspectGraph graph = planning::ScoreAspectGraph(
+        space, carrier_.camera.model, targets[t], std::move(views), rng, config_.aspect_graph);
     for (world::Look& look : graph.looks) {
       look.kind = targets[t].id < 0 ? "hidden_space" : "aspect_graph";
-      if (by_loss && look.feasible) WeighByCommonGround(ground, &look);
+      if (by_loss && look.feasible) WeighByCommonGround(ground, targets[t], &look);
       looks.push_back(std::move(look));
       target_of.push_back(t);
     }
   }
-  if (by_loss) AddGainsBeside(scene.space(), ground, targets, target_of, &looks);
+  if (by_loss) AddGainsBeside(space, ground, targets, target_of, &looks);
   return looks;
 }
 
-/// A view that cannot be registered to the map brings nothing.
+/// A view that cannot be registered to the map brings nothing. One that shares little with the map
+/// is registered by what it recognises, if the target is one of its hypotheses.
 void LookPlanner::WeighByCommonGround(const planning::CommonGround& ground,
+                                      const planning::AspectTarget& target,
                                       world::Look* look) const {
-  const double chance = ground.Chance(look->X_WC, carrier_.camera);
-  if (chance == 1.0) return;
+  double known = 0.0;
+  for (const planning::PosedModel& model : target.hypotheses) known += model.belief;
+  const double shares = ground.Chance(look->X_WC, carrier_.camera);
+  const double chance = shares + (1.0 - shares) * std::min(known, 1.0);
+  if (shares == 1.0) return;
   look->checks.push_back(
       {"common ground", true,
        fmt::format("{:.0f} pairs with the map of the {} that registration wants: "
@@ -175,7 +180,13 @@ planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
   const world::PoseHypothesis* best = object.Best();
   for (const world::PoseHypothesis& h : object.hypotheses) {
     if (best == nullptr || best->support < kMinSupport) break;
-    if (h.struck || h.support < kMinSupportShare * best->support) continue;
+    if (h.struck) continue;
+    const bool another_class =
+        std::none_of(guiding.begin(), guiding.end(),
+                     [&](const world::PoseHypothesis* g) { return g->model == h.model; });
+    const bool rivals =
+        another_class && fusion::NormalisedBelief(object.masses, h.model) >= kMinBelief;
+    if (!rivals && h.support < kMinSupportShare * best->support) continue;
     if (guiding.size() == kMaxHypotheses) break;
     guiding.push_back(&h);
   }

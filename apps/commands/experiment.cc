@@ -31,6 +31,8 @@ constexpr Experiment kExperiments[] = {
     {"occlusion", RunOcclusionExperiment, 200, 0},
     {"ambiguity", RunAmbiguityExperiment, 200, 0},
     {"rejection", RunRejectionExperiment, 200, 0},
+    {"recognised-objects", RunRecognisedObjectsExperiment, 200, 0},
+    {"search", RunSearchExperiment, 200, 0},
 };
 
 /// The names of all, in words.

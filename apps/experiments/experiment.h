@@ -87,6 +87,11 @@ void RunAmbiguityExperiment(const ExperimentOptions& options);
 /// hypothesis, are called unknown, and true ones are not.
 /// @throws ConfigError without unfamiliar objects, too.
 void RunRejectionExperiment(const ExperimentOptions& options);
+/// Whole missions on a table crowded with eight things, with and without what is verified standing
+/// in the map as its whole model.
+void RunRecognisedObjectsExperiment(const ExperimentOptions& options);
+/// … with looks chosen by the expected drop of the task's loss, and by McGreavy 2016.
+void RunSearchExperiment(const ExperimentOptions& options);
 /// One thing on a crowded table, of ten models, from its cluster alone. A trial is a table; the
 /// baseline is OpenCV's PPF3DDetector with its ICP on the same cluster.
 /// @throws ConfigError for a folder of models that cannot be read.

@@ -33,9 +33,9 @@ std::string KeyOf(const std::vector<Stance>& stances) {
 
 LookConfig ConfigOf(const std::string& chooser) {
   LookConfig config;
-  config.aspect_graph.strategy = chooser;
-  config.aspect_graph.fixed_step_deg = 120.0;      // round the object in three steps
-  if (chooser == kPaper) config.views.placed = 0;  // its 38 poses alone
+  config.aspect_graph.strategy = chooser.substr(0, chooser.find(" on "));
+  config.aspect_graph.fixed_step_deg = 120.0;  // round the object in three steps
+  if (chooser == kPaper || chooser == kOursOnPaper) config.views.placed = 0;
   return config;
 }
 
@@ -90,6 +90,7 @@ Finding LookTrial::Judge(const Knowledge& knowledge) const {
   finding.reason = knowledge.vain;
   const ObjectBelief* belief = Target(knowledge);
   if (belief == nullptr) {
+    finding.lacks = WhatLacks(knowledge, finding);
     finding.reason += " nothing is believed to stand there";
     for (const ObjectBelief& other : knowledge.scene.belief().objects) {
       finding.reason += fmt::format("; object {}: {}", other.id, other.reason);
@@ -105,15 +106,32 @@ Finding LookTrial::Judge(const Knowledge& knowledge) const {
   finding.candidate = !belief->Settled() && belief->Best() != nullptr;
   finding.right =
       finding.verified && belief->Best()->model == object().name && PoseIsRight(knowledge, *belief);
+  if (!finding.right) finding.lacks = WhatLacks(knowledge, finding);
   return finding;
 }
 
+std::string LookTrial::WhatLacks(const Knowledge& knowledge, const Finding& finding) const {
+  constexpr double kBelieved = 0.9;
+  const ObjectBelief* belief = Target(knowledge);
+  if (finding.verified) {
+    return belief->Best()->model == object().name ? "wrong pose" : "wrong class";
+  }
+  if (!knowledge.vain.empty()) return "view not registered";
+  if (belief == nullptr) return "not found";
+  if (finding.unknown) return "called unknown";
+  if (finding.BeliefIn(object().name) < kBelieved) return "class open";
+  return belief->reason.find("its pose is open") != std::string::npos ? "pose open"
+                                                                      : "pose not verified";
+}
+
 std::vector<world::Look> LookTrial::Candidates(const Knowledge& knowledge,
-                                               const std::string& chooser) const {
+                                               const std::string& chooser,
+                                               const world::VoxelSpace* map) const {
   const ObjectBelief* target = Target(knowledge);
   if (target == nullptr) return {};
   Question question;
   question.open = {target};
+  question.map = map;
   LookPlanner planner(ConfigOf(chooser), UnderstandingConfig(), carrier_);
   for (const Vector3d& p_WC : knowledge.vain_views_W) planner.NoteVain(p_WC);
   Rng rng(ForkSeed(
@@ -123,6 +141,16 @@ std::vector<world::Look> LookTrial::Candidates(const Knowledge& knowledge,
       planner.Candidates(knowledge.scene, task_, question, knowledge.stance, &rng);
   planning::ChooseLook(&looks);
   return looks;
+}
+
+world::VoxelSpace LookTrial::MapOfLastView(const Knowledge& knowledge) {
+  const UnderstandingConfig config;
+  const world::SceneBelief& belief = knowledge.scene.belief();
+  const world::Observation& last = belief.views.back();
+  world::VoxelSpace space(config.voxel_space,
+                          world::WorkspaceAbove(*belief.plane_W, config.voxel_space));
+  space.Insert(last.frame.depth, last.camera, last.X_WC, config.depth_stride);
+  return space;
 }
 
 double LookTrial::VisibleShare(const Stance& stance) {
