@@ -69,6 +69,7 @@ nlohmann::ordered_json ToJson(const world::Detection& detection, const perceptio
   return {{"model", h.model},
           {"X_CM", MatrixToJson(h.X_CM)},
           {"score", h.score},
+          {"probability", h.probability},
           {"verified", verified}};
 }
 

@@ -171,8 +171,8 @@ class Trial {
     const Pose& X_WC = understanding_.belief().views.back().X_WC;
     // W is where the first view believed itself to be; so it is judged in that view's camera frame.
     if (understanding_.belief().views.size() == 1) X_WTrueW_ = X_WC * photo.X_WC.inverse();
-    const auto detections = Detect(photo, camera_.info().model, models_);
-    const auto found = FindIn(Chosen(detections, Choose(detections, models_)), model().name, X_WC);
+    const perception::Regrouped seen = Detect(photo, camera_.info().model, models_);
+    const auto found = FindIn(Chosen(seen), model().name, X_WC);
     if (!found) return;
     found_.push_back(*found);
     single->push_back(ToJson(ErrorOf(found->X_WM)));

@@ -10,6 +10,7 @@
 #include "apps/experiments/experiment.h"
 #include "apps/experiments/free_camera.h"
 #include "apps/experiments/random_scene.h"
+#include "apps/experiments/reliability.h"
 #include "apps/experiments/single_view.h"
 #include "lib/perception/symmetry.h"
 #include "lib/world/object_database.h"
@@ -72,10 +73,27 @@ class ViewJudge {
     return entries;
   }
 
+  /// All that each cluster may be, and what of it is right.
+  Json JudgeAll(const std::vector<world::Detection>& detections) const {
+    Json clusters = Json::array();
+    for (const world::Detection& detection : detections) {
+      Json hypotheses = Json::array();
+      for (const world::Hypothesis& h : detection.hypotheses) {
+        hypotheses.push_back({{"model", h.model},
+                              {"score", h.score},
+                              {"log_odds", perception::LogOdds(h.score)},
+                              {"accepted", h.verification.accepted},
+                              {"probability", h.probability},
+                              {"right", IsRightOfAny(h)}});
+      }
+      clusters.push_back(std::move(hypotheses));
+    }
+    return clusters;
+  }
+
   /// Why the thing `index` of `photo` is not found.
-  Json WhyMissed(std::size_t index, const Photo& photo,
-                 const std::vector<world::Detection>& detections,
-                 const std::vector<perception::Choice>& choices) const {
+  Json WhyMissed(std::size_t index, const Photo& photo, const perception::Regrouped& seen) const {
+    const std::vector<world::Detection>& detections = seen.detections;
     const sim::PlacedObject& thing = things_[index];
     bool cut_out = false;
     const world::Hypothesis* best = nullptr;
@@ -88,7 +106,7 @@ class ViewJudge {
         if (h.model != thing.name || !IsRight(ErrorOf(h, thing))) continue;
         if (best != nullptr && best->score >= h.score) continue;
         best = &h;
-        choice = &choices[d];
+        choice = &seen.choices[d];
       }
     }
     if (!cut_out) return {{"kind", "no cluster"}};
@@ -101,6 +119,12 @@ class ViewJudge {
   }
 
  private:
+  bool IsRightOfAny(const world::Hypothesis& h) const {
+    return std::any_of(things_.begin(), things_.end(), [&](const sim::PlacedObject& thing) {
+      return thing.name == h.model && IsRight(ErrorOf(h, thing));
+    });
+  }
+
   static bool IsRight(const perception::PoseDistance& error) {
     return error.translation <= kMaxError_m && error.rotation <= kMaxError_rad;
   }
@@ -125,15 +149,15 @@ class ViewJudge {
 };
 
 /// Why each cluster that is not recognised is not, and what it is nearest to.
-Json Open(const std::vector<world::Detection>& detections,
-          const std::vector<perception::Choice>& choices) {
+Json Open(const perception::Regrouped& seen) {
   Json open = Json::array();
-  for (std::size_t i = 0; i < detections.size(); ++i) {
-    if (choices[i].hypothesis >= 0) continue;
-    Json entry{{"reason", choices[i].reason}};
-    if (!detections[i].hypotheses.empty()) {
-      entry["nearest"] = detections[i].hypotheses.front().model;
-      entry["score"] = detections[i].hypotheses.front().score;
+  for (std::size_t i = 0; i < seen.detections.size(); ++i) {
+    if (seen.choices[i].hypothesis >= 0) continue;
+    Json entry{{"reason", seen.choices[i].reason}};
+    const std::vector<world::Hypothesis>& hypotheses = seen.detections[i].hypotheses;
+    if (!hypotheses.empty()) {
+      entry["nearest"] = hypotheses.front().model;
+      entry["score"] = hypotheses.front().score;
     }
     open.push_back(std::move(entry));
   }
@@ -149,14 +173,13 @@ Json RunTrial(const sim::Scene& scene, const world::ObjectDatabase& database, in
   Json trial{{"seed", seed}, {"views", Json::array()}};
   for (int view = 0; view < views; ++view) {
     const Photo photo = camera.Take(DrawView(scene.table, &rng));
-    const auto detections = Detect(photo, camera.info().model, models);
-    const auto choices = Choose(detections, models);
+    const perception::Regrouped seen = Detect(photo, camera.info().model, models);
     const ViewJudge judge(things, models, photo.X_WC);
     std::vector<char> found(things.size(), 0);
     std::vector<char> found_by_quality(things.size(), 0);
     Json entry;
-    entry["detections"] = judge.Judge(Chosen(detections, choices), &found);
-    entry["baseline_detections"] = judge.Judge(ChosenByQuality(detections), &found_by_quality);
+    entry["detections"] = judge.Judge(Chosen(seen), &found);
+    entry["baseline_detections"] = judge.Judge(ChosenByQuality(seen.detections), &found_by_quality);
     entry["objects"] = Json::array();
     const std::vector<double> visible = camera.VisibleShares(photo);
     for (std::size_t i = 0; i < things.size(); ++i) {
@@ -165,11 +188,12 @@ Json RunTrial(const sim::Scene& scene, const world::ObjectDatabase& database, in
                   {"found", found[i] != 0},
                   {"baseline_found", found_by_quality[i] != 0}};
       if (found[i] == 0 && visible[i] > 0.0) {
-        object["missed"] = judge.WhyMissed(i, photo, detections, choices);
+        object["missed"] = judge.WhyMissed(i, photo, seen);
       }
       entry["objects"].push_back(std::move(object));
     }
-    entry["open"] = Open(detections, choices);
+    entry["open"] = Open(seen);
+    entry["clusters"] = judge.JudgeAll(seen.detections);
     trial["views"].push_back(std::move(entry));
   }
   return trial;
@@ -225,6 +249,47 @@ Row ErrorOfRight(const char* metric, const std::vector<Json>& trials, const char
   return {metric, Mean(errors)};
 }
 
+/// Of each trial, how likely the likeliest hypothesis of each cluster was said to be by
+/// `probability`
+/// ("score" or "probability"), and whether it was right.
+std::vector<Predictions> PredictionsBy(const char* probability, const std::vector<Json>& trials) {
+  std::vector<Predictions> predictions;
+  for (const Json& trial : trials) {
+    Predictions& of_trial = predictions.emplace_back();
+    for (const Json& view : trial.at("views")) {
+      for (const Json& hypotheses : view.at("clusters")) {
+        const auto best = std::max_element(
+            hypotheses.begin(), hypotheses.end(), [&](const Json& a, const Json& b) {
+              return a.at(probability).get<double>() < b.at(probability).get<double>();
+            });
+        if (best != hypotheses.end()) {
+          of_trial.push_back({best->at(probability), best->at("right")});
+        }
+      }
+    }
+  }
+  return predictions;
+}
+
+/// Whether the probabilities hold. The baseline takes the scores for probabilities.
+void AddReliability(const std::vector<Json>& trials, std::vector<Row>* rows) {
+  const std::vector<Predictions> ours = PredictionsBy("probability", trials);
+  const std::vector<Predictions> scores = PredictionsBy("score", trials);
+  rows->push_back({"calibration error of the probability",
+                   CalibrationError(ours),
+                   {},
+                   CalibrationError(scores).value});
+  rows->push_back(
+      {"Brier score of the probability", BrierScore(ours), {}, BrierScore(scores).value});
+  for (int bin = 0; bin < kReliabilityBins; ++bin) {
+    rows->push_back({fmt::format("right where the probability is {:.1f} to {:.1f}",
+                                 1.0 * bin / kReliabilityBins, (bin + 1.0) / kReliabilityBins),
+                     ShareRight(ours, bin),
+                     {},
+                     ShareRight(scores, bin).value});
+  }
+}
+
 std::vector<Row> Summarise(const std::vector<Json>& trials) {
   std::vector<Row> rows{
       Recall("recall, more than 50 % visible", trials, 0.5, 1.0),
@@ -237,6 +302,7 @@ std::vector<Row> Summarise(const std::vector<Json>& trials) {
   };
   rows[2].paper = 245.0 / 326.0;
   rows[4].paper = 8.0 / 253.0;
+  AddReliability(trials, &rows);
   return rows;
 }
 

@@ -4,8 +4,6 @@
 
 #include "apps/mission_config.h"
 #include "lib/common/error.h"
-#include "lib/perception/choose_together.h"
-#include "lib/perception/recognise.h"
 #include "lib/perception/segment.h"
 
 namespace secondlook::apps {
@@ -22,24 +20,19 @@ std::optional<CutPhoto> Cut(const Photo& photo, const geometry::CameraModel& cam
   return CutPhoto{std::move(view), std::move(cut.clusters)};
 }
 
-std::vector<world::Detection> Detect(const Photo& photo, const geometry::CameraModel& camera,
-                                     const std::vector<perception::RecognitionModel>& models) {
+perception::Regrouped Detect(const Photo& photo, const geometry::CameraModel& camera,
+                             const std::vector<perception::RecognitionModel>& models) {
   const std::optional<CutPhoto> cut = Cut(photo, camera);
   if (!cut) return {};
-  return perception::Recognise(cut->view, cut->clusters, models, UnderstandingConfig().recognise);
+  return perception::RecogniseRegrouping(cut->view, cut->clusters, models,
+                                         UnderstandingConfig().recognise);
 }
 
-std::vector<perception::Choice> Choose(const std::vector<world::Detection>& detections,
-                                       const std::vector<perception::RecognitionModel>& models) {
-  return perception::ChooseTogether(detections, models, UnderstandingConfig().recognise);
-}
-
-std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detections,
-                                      const std::vector<perception::Choice>& choices) {
+std::vector<world::Hypothesis> Chosen(const perception::Regrouped& found) {
   std::vector<world::Hypothesis> chosen;
-  for (std::size_t i = 0; i < detections.size(); ++i) {
-    if (choices[i].hypothesis < 0) continue;
-    chosen.push_back(detections[i].hypotheses[choices[i].hypothesis]);
+  for (std::size_t i = 0; i < found.detections.size(); ++i) {
+    const int h = found.choices[i].hypothesis;
+    if (h >= 0) chosen.push_back(found.detections[i].hypotheses[h]);
   }
   return chosen;
 }

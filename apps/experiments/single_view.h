@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "apps/experiments/free_camera.h"
-#include "lib/perception/recognise.h"
+#include "lib/perception/regroup.h"
 #include "lib/perception/view.h"
 #include "lib/world/hypothesis.h"
 #include "lib/world/object_database.h"
@@ -21,18 +21,13 @@ struct CutPhoto {
 /// What a mission's segmentation makes of one view; empty when it finds no support plane.
 std::optional<CutPhoto> Cut(const Photo& photo, const geometry::CameraModel& camera);
 
-/// What a mission's segmentation and recognition make of one view, all by itself.
-std::vector<world::Detection> Detect(const Photo& photo, const geometry::CameraModel& camera,
-                                     const std::vector<perception::RecognitionModel>& models);
-
-/// What is beyond doubt in the view as a whole (perception::ChooseTogether), by the configuration
-/// of a mission.
-std::vector<perception::Choice> Choose(const std::vector<world::Detection>& detections,
-                                       const std::vector<perception::RecognitionModel>& models);
+/// What a mission's segmentation and recognition make of one view, all by itself; nothing where it
+/// finds no support plane.
+perception::Regrouped Detect(const Photo& photo, const geometry::CameraModel& camera,
+                             const std::vector<perception::RecognitionModel>& models);
 
 /// The hypotheses that are chosen, one for each detection that has one.
-std::vector<world::Hypothesis> Chosen(const std::vector<world::Detection>& detections,
-                                      const std::vector<perception::Choice>& choices);
+std::vector<world::Hypothesis> Chosen(const perception::Regrouped& found);
 
 /// The models of the objects in `scene`, ready for recognition.
 /// @throws ConfigError for an object that `database` does not hold.

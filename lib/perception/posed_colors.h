@@ -2,7 +2,10 @@
 
 #include <optional>
 
+#include <opencv2/core/types.hpp>
+
 #include "lib/geometry/depth_rasteriser.h"
+#include "lib/perception/color_match.h"
 #include "lib/perception/recognition_model.h"
 #include "lib/perception/rendered_colors.h"
 #include "lib/perception/view.h"
@@ -25,14 +28,24 @@ class PosedColors {
   /// covariances, to the power of half the number of independent patches. What is alike over a
   /// block of pixels is taken apart from what differs within: errors of the light are smooth, and
   /// count once a block, while a print that is weak but everywhere where it should be (the grain of
-  /// wood) speaks as clearly as a strong one. At most 8 either way: gloss and wear follow no law.
+  /// wood) speaks as clearly as a strong one. Each pose sees the picture moved by up to two pixels,
+  /// to where its colours fit best: half a degree off, a fine grain lies a pixel aside, and agrees
+  /// no better than at a pose turned by half. At most 8 either way: gloss and wear follow no law.
   std::optional<double> LogRatio(const PosedColors& other) const;
 
  private:
+  /// The rendered colour at a pixel where the depth there is what was measured, or nothing is
+  /// measured; else empty.
+  std::optional<ColorPair> PairAt(int u, int v) const;
+
+  /// Of the picture, at which what it shows fits this pose best [px].
+  cv::Point BestShift() const;
+
   const RecognitionModel& model_;
   const View& view_;
   geometry::DepthRasteriser rendered_;
   RenderedColors colors_;
+  cv::Point shift_;  ///< BestShift().
 };
 
 }  // namespace secondlook::perception

@@ -21,11 +21,6 @@ namespace {
 
 using world::Hypothesis;
 
-double LogOdds(double score) {
-  const double bounded = std::clamp(score, 1e-15, 1.0 - 1e-15);
-  return std::log(bounded / (1.0 - bounded));
-}
-
 void SortByScore(std::vector<Hypothesis>* hypotheses) {
   std::stable_sort(hypotheses->begin(), hypotheses->end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
@@ -240,6 +235,7 @@ bool NeedNotBeToldApart(const std::vector<RecognitionModel>& models, const Hypot
 
 void RecogniseConfig::Validate() const {
   verify.Validate();
+  posterior.Validate();
   CheckRange(guesses_per_model, 1, 1000, "guesses_per_model");
   CheckRange(hypotheses_per_model, 1, 1000, "hypotheses_per_model");
   CheckRange(min_guess_share, 0.0, 1.0, "min_guess_share");
@@ -301,6 +297,7 @@ std::vector<world::Detection> Recognise(const View& view,
     }
     std::stable_sort(detection.hypotheses.begin(), detection.hypotheses.end(),
                      [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
+    SetProbabilities(config.posterior, &detection.hypotheses);
     const bool accepted = std::any_of(detection.hypotheses.begin(), detection.hypotheses.end(),
                                       [](const Hypothesis& h) { return h.verification.accepted; });
     if (accepted) continue;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "lib/perception/posterior.h"
 #include "lib/perception/recognition_model.h"
 #include "lib/perception/verify.h"
 #include "lib/perception/view.h"
@@ -13,6 +14,7 @@ namespace secondlook::perception {
 /// How hard recognition tries, and when it is sure.
 struct RecogniseConfig {
   VerifyConfig verify;
+  PosteriorConfig posterior;
   int guesses_per_model = 4;      ///< Poses of one model that are refined.
   int hypotheses_per_model = 3;   ///< That are handed on, with their verification.
   double min_guess_share = 0.45;  ///< A guess below this share of the cluster's best is dropped.
@@ -27,6 +29,7 @@ struct RecogniseConfig {
   template <class A>
   void Serialize(A* a) {
     a->Visit("verify", &verify);
+    a->Visit("posterior", &posterior);
     a->Visit("guesses_per_model", &guesses_per_model);
     a->Visit("hypotheses_per_model", &hypotheses_per_model);
     a->Visit("min_guess_share", &min_guess_share);

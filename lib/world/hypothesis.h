@@ -17,6 +17,7 @@ struct Verification {
   double quality{};   ///< q_h (Eq. 5), in [0, 1].
   double visible_fraction{};  ///< visible / rendered, in [0, 1].
   double color_agreement{};   ///< Of the matching pixels' colours, in [0, 1]; NaN without colour.
+  bool unsupported{};         ///< It would hang above its support plane, or stand in it.
   bool accepted{};            ///< Passed every check.
   std::string reason;         ///< Which check failed, with values; empty when accepted.
 };
@@ -29,6 +30,10 @@ struct Hypothesis {
   /// whatever else may be in the database.
   double score{};
   Verification verification;
+  /// Calibrated probability in [0, 1] that model and pose are right, given what this view alone
+  /// shows and all else that it holds for possible there (perception/posterior.h). 0 for a
+  /// hypothesis that was asked of a view by itself, without its rivals.
+  double probability{};
 };
 
 }  // namespace secondlook::world

@@ -56,6 +56,11 @@ class Plank {
 
   PosedColors True() const { return {model_, X_CM_, scene_.view}; }
   PosedColors Turned() const { return {model_, X_CM_turned_, scene_.view}; }
+  /// A pixel and a half aside: half a step of the grain.
+  PosedColors Off() const {
+    const Pose X_CM = Pose(Eigen::Translation3d(0.0026, 0.0, 0.0)) * X_CM_;
+    return {model_, X_CM, scene_.view};
+  }
   PosedColors Beside() const {
     const Pose X_CM = Pose(Eigen::Translation3d(0.3, 0.0, 0.0)) * X_CM_;
     return {model_, X_CM, scene_.view};
@@ -79,6 +84,11 @@ TEST(PosedColors, AreAsMuchLikelierAsTheOthersAreLess) {
   EXPECT_NEAR(plank.True().LogRatio(plank.Turned()).value(),
               -plank.Turned().LogRatio(plank.True()).value(), 1e-9);
   EXPECT_EQ(plank.True().LogRatio(plank.True()).value(), 0.0);
+}
+
+TEST(PosedColors, AreLikelierAtAPoseAPixelOffThanAtOneTurnedByHalf) {
+  const Plank plank(0.06F);
+  EXPECT_GT(plank.Off().LogRatio(plank.Turned()).value(), 4.0);
 }
 
 TEST(PosedColors, AreUndecidedWhereAPlainThingLooksTheSame) {
