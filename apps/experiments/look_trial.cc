@@ -104,8 +104,13 @@ Finding LookTrial::Judge(const Knowledge& knowledge) const {
   finding.verified = belief->state == ObjectState::kVerified;
   finding.unknown = belief->state == ObjectState::kUnknown;
   finding.candidate = !belief->Settled() && belief->Best() != nullptr;
-  finding.right =
-      finding.verified && belief->Best()->model == object().name && PoseIsRight(knowledge, *belief);
+  finding.probability = ProbabilityInLastView(knowledge, *belief);
+  if (finding.verified && belief->Best()->model == object().name) {
+    const world::PoseHypothesis& best = *belief->Best();
+    const int view = best.BestView()->view;  // that shows it best
+    finding.right = PoseIsRight(knowledge, view,
+                                knowledge.scene.belief().views[view].X_WC.inverse() * best.X_WM);
+  }
   if (!finding.right) finding.lacks = WhatLacks(knowledge, finding);
   return finding;
 }
@@ -219,17 +224,27 @@ const ObjectBelief* LookTrial::Target(const Knowledge& knowledge) const {
   return nearest;
 }
 
-/// In the camera frame of the view that shows it best, up to the object's symmetry.
-bool LookTrial::PoseIsRight(const Knowledge& knowledge, const ObjectBelief& belief) const {
+/// Whether the object is at X_CM in the camera frame of a view, up to its symmetry.
+bool LookTrial::PoseIsRight(const Knowledge& knowledge, int view, const Pose& X_CM) const {
   const JudgeConfig limits;
-  const world::PoseHypothesis& best = *belief.Best();
-  const int view = best.BestView()->view;
-  const Pose X_CM = knowledge.scene.belief().views[view].X_WC.inverse() * best.X_WM;
   const Pose X_CM_true = knowledge.true_X_WC[view].inverse() * object().X_WM;
-  const auto& model = *perception::FindModel(knowledge.scene.models(), best.model);
+  const auto& model = *perception::FindModel(knowledge.scene.models(), object().name);
   const perception::PoseDistance error =
       perception::DistanceUpToSymmetry(X_CM_true, X_CM, model.symmetry, model.center_M, true);
   return error.translation <= limits.max_m && error.rotation <= limits.max_deg * kDegree;
+}
+
+double LookTrial::ProbabilityInLastView(const Knowledge& knowledge,
+                                        const ObjectBelief& belief) const {
+  const world::Sighting& last = belief.sightings.back();
+  const std::vector<world::Observation>& views = knowledge.scene.belief().views;
+  if (!knowledge.vain.empty() || last.view + 1 != static_cast<int>(views.size())) return 0.0;
+  double probability = 0.0;
+  for (const world::Hypothesis& h : views[last.view].detections[last.detection].hypotheses) {
+    if (h.model != object().name || !PoseIsRight(knowledge, last.view, h.X_CM)) continue;
+    probability = std::max(probability, h.probability);
+  }
+  return probability;
 }
 
 const world::Look* ChosenOf(const std::vector<world::Look>& looks) {

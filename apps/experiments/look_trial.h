@@ -43,6 +43,8 @@ struct Finding {
   bool unknown{};    ///< Settled: nothing that is known fits.
   bool right{};      ///< Verified by its true name, within 10 mm and 5 degrees.
   std::map<std::string, double> beliefs;  ///< By class.
+  /// Calibrated, of its true name and pose, by the last view alone (world::Hypothesis); 0 without.
+  double probability{};
   std::string reason;  ///< Why it is in its state, or why the last view taught nothing.
   /// What is amiss, one of a few kinds; empty when it is right.
   std::string lacks;
@@ -106,7 +108,8 @@ class LookTrial {
   Knowledge Extended(Knowledge knowledge, const Stance& stance);
   const world::ObjectBelief* Target(const Knowledge& knowledge) const;
   std::string WhatLacks(const Knowledge& knowledge, const Finding& finding) const;
-  bool PoseIsRight(const Knowledge& knowledge, const world::ObjectBelief& belief) const;
+  bool PoseIsRight(const Knowledge& knowledge, int view, const Pose& X_CM) const;
+  double ProbabilityInLastView(const Knowledge& knowledge, const world::ObjectBelief& belief) const;
 
   int target_;
   const SceneUnderstanding& blank_;

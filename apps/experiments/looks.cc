@@ -134,7 +134,7 @@ Json Confirm(const world::Look* look, LookTrial* trial) {
   if (look == nullptr) return course;
   const Finding finding = trial->FindingIn(StanceOf(*look));
   course["confirmed"] = finding.right ? 1.0 : 0.0;
-  course["probability"] = finding.BeliefIn(trial->object().name);
+  course["probability"] = finding.probability;
   course["lacks"] = finding.lacks;
   course["reason"] = finding.reason;
   course["stances"] = Json::array({ToJson(StanceOf(*look))});
@@ -151,7 +151,8 @@ Json Confirmation(int, const Setting& setting, std::uint64_t seed, Rng* rng) {
   const auto confident = [](const Finding& finding) { return finding.right; };
   if (!BeginWhere(Anywhere, confident, 0.0, kPi, &trial, rng)) return result;
   result["start"] = ToJson(trial.start().stance);
-  const double before = trial.Judge(trial.start()).BeliefIn(trial.object().name);
+  const double before = trial.Judge(trial.start()).probability;
+  result["probability"] = before;
   Json& courses = result["courses"];
   for (const char* chooser : kChoosers) {
     const std::vector<world::Look> looks = trial.Candidates(trial.start(), chooser);

@@ -142,8 +142,8 @@ void AddMeans(const std::string& metric, const std::vector<Json>& trials,
     std::vector<double> saved = ValuesOf(trials, variant.name, measure);
     const std::vector<double> by_ours = ValuesOf(trials, ours, measure);
     for (std::size_t i = 0; i < saved.size(); ++i) saved[i] -= by_ours[i];
-    rows->push_back({fmt::format("{}, saved against {}", metric, variant.name),
-                     BootstrappedMean(saved)});
+    rows->push_back(
+        {fmt::format("{}, saved against {}", metric, variant.name), BootstrappedMean(saved)});
   }
 }
 
@@ -158,8 +158,7 @@ void Run(const std::string& name, const ExperimentOptions& options,
       [&](int t) {
         const std::uint64_t seed = ForkSeed(options.seed, fmt::format("trial {}", t));
         Rng rng(ForkSeed(seed, name));
-        sim::Scene scene =
-            DrawCrowdedTable(DrawObjects(repertoire.known, kThings, &rng), &rng);
+        sim::Scene scene = DrawCrowdedTable(DrawObjects(repertoire.known, kThings, &rng), &rng);
         const double side = rng.Uniform(-std::numbers::pi, std::numbers::pi);
         const double distance = rng.Uniform(1.5, 2.2);
         scene.robot.position = {distance * std::cos(side), distance * std::sin(side)};
@@ -210,15 +209,18 @@ void RunSearchExperiment(const ExperimentOptions& options) {
   Run("search", options, choosers, [&](const std::vector<Json>& trials) {
     std::vector<Row> rows = Common(trials, choosers);
     for (const double seconds : {15.0, 30.0, 60.0, 120.0, 240.0}) {
-      AddMeans(fmt::format("loss after {} s", seconds), trials, choosers,
-               [&](const Json& course) { return LossAfter(course, 0, seconds); }, &rows);
+      AddMeans(
+          fmt::format("loss after {} s", seconds), trials, choosers,
+          [&](const Json& course) { return LossAfter(course, 0, seconds); }, &rows);
     }
     for (const double metres : {2.0, 5.0, 10.0}) {
-      AddMeans(fmt::format("loss after {} m", metres), trials, choosers,
-               [&](const Json& course) { return LossAfter(course, 1, metres); }, &rows);
+      AddMeans(
+          fmt::format("loss after {} m", metres), trials, choosers,
+          [&](const Json& course) { return LossAfter(course, 1, metres); }, &rows);
     }
-    AddMeans("mean loss in 120 s", trials, choosers,
-             [](const Json& course) { return MeanLoss(course, 120.0); }, &rows);
+    AddMeans(
+        "mean loss in 120 s", trials, choosers,
+        [](const Json& course) { return MeanLoss(course, 120.0); }, &rows);
     return rows;
   });
 }
