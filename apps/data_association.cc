@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "apps/register_capture.h"
 #include "lib/fusion/match.h"
 #include "lib/geometry/kd_tree.h"
 #include "lib/geometry/sampling.h"
@@ -85,7 +86,7 @@ Associated DataAssociation::MatchOpen(const std::vector<world::Cluster>& cluster
     objects.emplace_back(object.points_W, config_.footprint_cell_m);
   }
   const fusion::MatchGate gate{config_.footprint_overlap, config_.match_sigmas,
-                               ErrorOf(registration)};
+                               PointError(registration, belief_.plane_W)};
   Associated things;
   for (const fusion::Match& match : fusion::MatchSeen(detections, objects, gate)) {
     if (match.detections.empty()) continue;  // not seen this time
@@ -108,18 +109,6 @@ Associated DataAssociation::MatchOpen(const std::vector<world::Cluster>& cluster
     things.objects.push_back(Merge(ids));
   }
   return things;
-}
-
-/// The covariance of where a view's points lie in the map [m^2]: by its registration, at the middle
-/// of the table, and by the map's own error.
-Eigen::Matrix3d DataAssociation::ErrorOf(const perception::ViewRegistration& registration) const {
-  const Vector3d table_W =
-      belief_.plane_W
-          ? Vector3d((belief_.plane_W->corners_A[0] + belief_.plane_W->corners_A[2]) / 2.0)
-          : registration.X_WC.translation();
-  return fusion::PointCovariance(registration.covariance,
-                                 table_W - registration.X_WC.translation()) +
-         SceneMap::kModelSigma_m * SceneMap::kModelSigma_m * Eigen::Matrix3d::Identity();
 }
 
 /// What of `clusters` is `thing`, taken out of them.

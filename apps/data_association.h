@@ -3,8 +3,6 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "apps/mission_config.h"
 #include "apps/scene_map.h"
 #include "lib/perception/recognition_model.h"
@@ -64,7 +62,6 @@ class DataAssociation {
   Associated MatchOpen(const std::vector<world::Cluster>& clusters, const cv::Mat& depth,
                        const hal::CameraModel& camera,
                        const perception::ViewRegistration& registration);
-  Eigen::Matrix3d ErrorOf(const perception::ViewRegistration& registration) const;
   world::Cluster TakeExplained(const world::PoseHypothesis& thing, const Pose& X_WC,
                                const cv::Mat& depth, const hal::CameraModel& camera,
                                int min_leftover_points,

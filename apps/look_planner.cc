@@ -18,8 +18,10 @@ using Eigen::Vector3d;
 using world::LookWay;
 using world::ObjectBelief;
 
-/// Hypotheses with less than this share of the best one's support do not guide a look …
+/// Hypotheses with less than this share of the best one's support do not guide a look, but for the
+/// best of a class that is believed so much: what must be told from it, though it fits worse …
 constexpr double kMinSupportShare = 0.3;
+constexpr double kMinBelief = 0.01;
 /// … and below this support, no model fits at all.
 constexpr double kMinSupport = 0.15;
 constexpr std::size_t kMaxHypotheses = 4;
@@ -76,7 +78,7 @@ LookPlanner::LookPlanner(const LookConfig& config, const UnderstandingConfig& un
 std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene,
                                                  const world::Task& task, const Question& question,
                                                  const Stance& stance, Rng* rng) {
-  const world::VoxelSpace& space = scene.space();
+  const world::VoxelSpace& space = question.map != nullptr ? *question.map : scene.space();
   const world::SupportPlane& plane_W = *scene.belief().plane_W;
   const std::vector<world::SupportPlane> supports_W{plane_W};
   Vector3d center_W = Vector3d::Zero();
@@ -143,7 +145,7 @@ std::vector<world::Look> LookPlanner::Score(const world::VoxelSpace& space,
   for (world::Look& look : graph.looks) {
     if (look.feasible) CheckNotInVain(&look);
     look.kind = target.id < 0 ? "hidden_space" : "aspect_graph";
-    if (ByLoss() && look.feasible) WeighByCommonGround(ground, &look);
+    if (ByLoss() && look.feasible) WeighByCommonGround(ground, target, &look);
   }
   return std::move(graph.looks);
 }
@@ -161,11 +163,16 @@ void LookPlanner::CheckNotInVain(world::Look* look) const {
                          look);
 }
 
-/// A view that cannot be registered to the map brings nothing.
+/// A view that cannot be registered to the map brings nothing. One that shares little with the map
+/// is registered by what it recognises, if the target is one of its hypotheses.
 void LookPlanner::WeighByCommonGround(const planning::CommonGround& ground,
+                                      const planning::AspectTarget& target,
                                       world::Look* look) const {
-  const double chance = ground.Chance(look->X_WC, CameraOf(look->way));
-  if (chance == 1.0) return;
+  double known = 0.0;
+  for (const planning::PosedModel& model : target.hypotheses) known += model.belief;
+  const double shares = ground.Chance(look->X_WC, CameraOf(look->way));
+  const double chance = shares + (1.0 - shares) * std::min(known, 1.0);
+  if (shares == 1.0) return;
   look->checks.push_back(
       {"common ground", true,
        fmt::format("{:.0f} pairs with the map of the {} that registration wants: "
@@ -233,7 +240,13 @@ planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
   const world::PoseHypothesis* best = object.Best();
   for (const world::PoseHypothesis& h : object.hypotheses) {
     if (best == nullptr || best->support < kMinSupport) break;
-    if (h.struck || h.support < kMinSupportShare * best->support) continue;
+    if (h.struck) continue;
+    const bool another_class =
+        std::none_of(guiding.begin(), guiding.end(),
+                     [&](const world::PoseHypothesis* g) { return g->model == h.model; });
+    const bool rivals =
+        another_class && fusion::NormalisedBelief(object.masses, h.model) >= kMinBelief;
+    if (!rivals && h.support < kMinSupportShare * best->support) continue;
     if (guiding.size() == kMaxHypotheses) break;
     guiding.push_back(&h);
   }

@@ -33,6 +33,7 @@ struct Question {
   std::vector<const world::ObjectBelief*> open;   ///< That may have another look.
   std::vector<const world::ObjectBelief*> spent;  ///< Open, but had all the looks it may have.
   std::vector<Eigen::AlignedBox3d> hidden_W;      ///< Where something could stand unseen.
+  const world::VoxelSpace* map{};  ///< To plan in instead of the scene's own; null: that.
 
   bool Empty() const { return open.empty() && hidden_W.empty(); }
 };
@@ -85,7 +86,8 @@ class LookPlanner {
                                  const planning::CommonGround& ground, world::LookWay way,
                                  std::vector<world::Look> views, Rng* rng) const;
   void CheckNotInVain(world::Look* look) const;
-  void WeighByCommonGround(const planning::CommonGround& ground, world::Look* look) const;
+  void WeighByCommonGround(const planning::CommonGround& ground,
+                           const planning::AspectTarget& target, world::Look* look) const;
   void AddGainsBeside(const world::VoxelSpace& space, const planning::CommonGround& ground,
                       const std::vector<planning::AspectTarget>& targets,
                       const std::vector<int>& target_of, std::vector<world::Look>* looks) const;

@@ -36,6 +36,7 @@ struct UnderstandingConfig {
   /// Of the pixels of verified objects in a view; more, and its registration is not believed.
   double max_see_through = 0.25;
   int clear_view_points = 300;  ///< A thing seen with fewer was not seen clearly.
+  bool known_in_map = true;     ///< What is verified stands in the map as its whole model.
 
   template <class A>
   void Serialize(A* a) {
@@ -53,6 +54,7 @@ struct UnderstandingConfig {
     a->Visit("min_leftover_points", &min_leftover_points);
     a->Visit("max_see_through", &max_see_through);
     a->Visit("clear_view_points", &clear_view_points);
+    a->Visit("known_in_map", &known_in_map);
   }
 
   /// @throws ConfigError naming the value.

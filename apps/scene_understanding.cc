@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "apps/register_capture.h"
 #include "lib/geometry/point_image.h"
 #include "lib/perception/regroup.h"
 #include "lib/perception/seen_through.h"
@@ -50,7 +51,8 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
 
   const std::vector<perception::SurfacePoint> points_C =
       perception::ViewPoints(frame.depth, capture.camera, *cut.plane_C, config_.registration);
-  const perception::ViewRegistration registration = Register(points_C, capture);
+  const perception::ViewRegistration registration =
+      RegisterCapture(capture, cut, points_C, belief_.plane_W, map_, models_, config_);
   if (!registration.accepted) return registration.reason;
   const Pose& X_WC = registration.X_WC;
   const std::vector<int> gone = Gone(capture, X_WC);
@@ -79,7 +81,7 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
   }
   MergeDuplicates();
   FollowMoved();
-  map_.PlaceVerified(belief_.objects, models_);
+  if (config_.known_in_map) map_.PlaceVerified(belief_.objects, models_);
   return "";
 }
 
@@ -192,21 +194,6 @@ std::string SceneUnderstanding::Contradiction(const Capture& capture, const Pose
   if (sum.see_through <= config_.max_see_through * (sum.matching + sum.see_through)) return "";
   return fmt::format("registered, it sees through verified objects at {} pixels and agrees at {}",
                      sum.see_through, sum.matching);
-}
-
-/// The first view defines the map; the others are registered to it.
-perception::ViewRegistration SceneUnderstanding::Register(
-    const std::vector<perception::SurfacePoint>& points_C, const Capture& capture) const {
-  if (map_.reference().empty()) {
-    perception::ViewRegistration first;
-    first.X_WC = capture.X_WC;
-    first.accepted = true;
-    return first;
-  }
-  const perception::PoseCovariance covariance =
-      perception::NominalCovariance(config_.registration, capture.p_CB_W);
-  return perception::RegisterView(points_C, map_.reference(), capture.X_WC, covariance,
-                                  config_.registration);
 }
 
 /// The detections of the newest view, taken from X_WC: recognition may cut or join what is open,

@@ -60,8 +60,6 @@ class SceneUnderstanding {
     Eigen::Vector3d center_W;
   };
 
-  perception::ViewRegistration Register(const std::vector<perception::SurfacePoint>& points_C,
-                                        const Capture& capture) const;
   std::vector<int> Gone(const Capture& capture, const Pose& X_WC) const;
   void Unlearn(int view, world::ObjectBelief* object);
   std::string Contradiction(const Capture& capture, const Pose& X_WC,

@@ -34,6 +34,8 @@ constexpr Experiment kExperiments[] = {
     {"rejection", RunRejectionExperiment, 200, 0},
     {"reachability", RunReachabilityExperiment, 1000, 0},
     {"moving-obstacles", RunMovingObstaclesExperiment, 200, 0},
+    {"recognised-objects", RunRecognisedObjectsExperiment, 200, 0},
+    {"search", RunSearchExperiment, 200, 0},
 };
 
 /// The names of all, in words.

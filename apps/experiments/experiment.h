@@ -101,6 +101,11 @@ void RunRejectionExperiment(const ExperimentOptions& options);
 void RunReachabilityExperiment(const ExperimentOptions& options);
 /// Beside the paper: whole missions among people who close the ways.
 void RunMovingObstaclesExperiment(const ExperimentOptions& options);
+/// Whole missions on a table crowded with eight things, with and without what is verified standing
+/// in the map as its whole model.
+void RunRecognisedObjectsExperiment(const ExperimentOptions& options);
+/// … with looks chosen by the expected drop of the task's loss, and by McGreavy 2016.
+void RunSearchExperiment(const ExperimentOptions& options);
 /// One thing on a crowded table, of ten models, from its cluster alone. A trial is a table; the
 /// baseline is OpenCV's PPF3DDetector with its ICP on the same cluster.
 /// @throws ConfigError for a folder of models that cannot be read.

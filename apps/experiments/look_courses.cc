@@ -1,6 +1,7 @@
 #include "apps/experiments/look_courses.h"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -35,13 +36,15 @@ double SecondsIn(const Json& course) { return course.at("seconds"); }
 
 }  // namespace
 
-bool BeginWhere(const std::function<bool(const Stance&, const Finding&)>& acceptable,
-                double azimuth, double spread, LookTrial* trial, Rng* rng) {
+bool BeginWhere(const std::function<bool(const Stance&)>& promising,
+                const std::function<bool(const Finding&)>& acceptable, double azimuth,
+                double spread, LookTrial* trial, Rng* rng) {
   for (int i = 0; i < kAttempts; ++i) {
     const double side = azimuth + rng->Uniform(-spread, spread);
     const Stance stance = trial->Facing(side, rng->Uniform(1.4, 2.2));
+    if (!promising(stance)) continue;
     trial->Begin(stance);
-    if (acceptable(stance, trial->Judge(trial->start()))) return true;
+    if (acceptable(trial->Judge(trial->start()))) return true;
   }
   return false;
 }
@@ -67,17 +70,17 @@ Json Follow(const std::string& chooser, int looks, LookTrial* trial) {
   return course;
 }
 
-Json FollowOracle(const std::function<bool(const Stance&, const Finding&)>& good,
-                  LookTrial* trial) {
+Json FollowOracle(const std::function<bool(const Stance&)>& promising,
+                  const std::function<bool(const Finding&)>& good, LookTrial* trial) {
   std::vector<world::Look> looks = PossibleLooks(trial);
-  std::stable_sort(looks.begin(), looks.end(), [](const world::Look& a, const world::Look& b) {
-    return a.seconds < b.seconds;
-  });
+  std::stable_sort(looks.begin(), looks.end(),
+                   [](const world::Look& a, const world::Look& b) { return a.score > b.score; });
   Json course = NewCourse();
   for (const world::Look& look : looks) {
     const Stance stance = StanceOf(look);
+    if (!promising(stance)) continue;
     const Finding finding = trial->FindingAfter(stance);
-    if (!good(stance, finding)) continue;
+    if (!good(finding)) continue;
     course["findings"].push_back(ToJson(finding));
     course["stances"].push_back(ToJson(stance));
     course["seconds"] = std::min(SecondsOf(look), kBudgetSeconds);
@@ -93,11 +96,9 @@ std::vector<world::Look> PossibleLooks(LookTrial* trial) {
 }
 
 Json ToJson(const Finding& finding) {
-  return {{"verified", finding.verified},
-          {"right", finding.right},
-          {"unknown", finding.unknown},
-          {"beliefs", Json(finding.beliefs)},
-          {"reason", finding.reason}};
+  return {{"verified", finding.verified}, {"right", finding.right},
+          {"unknown", finding.unknown},   {"beliefs", Json(finding.beliefs)},
+          {"lacks", finding.lacks},       {"reason", finding.reason}};
 }
 
 Json ToJson(const Stance& stance) {
@@ -133,6 +134,33 @@ void AddShares(const std::string& metric, const std::vector<Json>& trials,
   };
   for (const char* chooser : kChoosers) add(chooser);
   if (!ValuesOf(trials, kOracle, holds).empty()) add(kOracle);
+}
+
+void AddFailures(const std::vector<Json>& trials, std::vector<Row>* rows) {
+  std::map<std::string, int> failures;
+  int count = 0;
+  for (const Json& trial : Begun(trials)) {
+    const Json& findings = trial.at("courses").at(kOurs).at("findings");
+    ++count;
+    ++failures[findings.empty() ? "no look" : findings.at(0).at("lacks").get<std::string>()];
+  }
+  failures.erase("");
+  for (const auto& [lacks, times] : failures) {
+    rows->push_back(
+        {fmt::format("first look ends with: {}, {}", lacks, kOurs), Proportion(times, count)});
+  }
+}
+
+void AddSharesWherePossible(const std::string& metric, const std::vector<Json>& trials,
+                            const Measure& holds, std::vector<Row>* rows) {
+  std::vector<Json> possible;
+  for (const Json& trial : Begun(trials)) {
+    if (holds(trial.at("courses").at(kOracle)) != 0.0) possible.push_back(trial);
+  }
+  for (const char* chooser : {kPaper, kOurs}) {
+    rows->push_back({fmt::format("{} where some look does, {}", metric, chooser),
+                     ShareOf(ValuesOf(possible, chooser, holds))});
+  }
 }
 
 void AddSeconds(const std::vector<Json>& trials, std::vector<Row>* rows) {

@@ -20,17 +20,21 @@ constexpr double kBudgetSeconds = 60.0;
 constexpr const char* kOracle = "oracle";
 
 /// Begins `trial` 1.4 to 2.2 m from the object and within `spread` [rad] of `azimuth` around it,
-/// anew until what the first view finds is acceptable. False after 12 attempts.
-bool BeginWhere(const std::function<bool(const Stance&, const Finding&)>& acceptable,
-                double azimuth, double spread, LookTrial* trial, Rng* rng);
+/// anew until the place is promising and what the first view finds is acceptable. False after 12
+/// attempts.
+bool BeginWhere(const std::function<bool(const Stance&)>& promising,
+                const std::function<bool(const Finding&)>& acceptable, double azimuth,
+                double spread, LookTrial* trial, Rng* rng);
 
 /// Up to `looks` looks as `chooser` says, until the object is verified or called unknown:
 /// `findings`, one a look, `stances`, and `seconds` of robot time: the budget unless that ends as
 /// `trial` really is.
 nlohmann::ordered_json Follow(const std::string& chooser, int looks, LookTrial* trial);
 
-/// The course of one look that `good` says is right, the soonest of all that are possible.
-nlohmann::ordered_json FollowOracle(const std::function<bool(const Stance&, const Finding&)>& good,
+/// The course of one look from a `promising` place that `good` says is right, if any of all that
+/// are possible is: those are tried that score best by ours, until one is.
+nlohmann::ordered_json FollowOracle(const std::function<bool(const Stance&)>& promising,
+                                    const std::function<bool(const Finding&)>& good,
                                     LookTrial* trial);
 
 /// Those looks from the start of `trial` that are possible, whatever they would bring.
@@ -54,6 +58,16 @@ nlohmann::ordered_json LastFinding(const nlohmann::ordered_json& course);
 /// `holds` is not 0. Ours has the paper's figure, and the paper's method as its baseline.
 void AddShares(const std::string& metric, const std::vector<nlohmann::ordered_json>& trials,
                std::optional<double> paper, const Measure& holds, std::vector<Row>* rows);
+
+/// What ours lacks after the first look where it fails (Finding::lacks), as shares of the begun
+/// trials.
+void AddFailures(const std::vector<nlohmann::ordered_json>& trials, std::vector<Row>* rows);
+
+/// Of the begun trials in which the oracle finds a look for which `holds`, the share in which the
+/// paper's chooser and ours do.
+void AddSharesWherePossible(const std::string& metric,
+                            const std::vector<nlohmann::ordered_json>& trials, const Measure& holds,
+                            std::vector<Row>* rows);
 
 /// For each chooser the robot time of the begun trials, and by how much ours takes less than each.
 void AddSeconds(const std::vector<nlohmann::ordered_json>& trials, std::vector<Row>* rows);

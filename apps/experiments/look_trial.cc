@@ -33,9 +33,9 @@ std::string KeyOf(const std::vector<Stance>& stances) {
 
 LookConfig ConfigOf(const std::string& chooser) {
   LookConfig config;
-  config.aspect_graph.strategy = chooser;
-  config.aspect_graph.fixed_step_deg = 120.0;      // round the object in three steps
-  if (chooser == kPaper) config.views.placed = 0;  // its 38 poses alone
+  config.aspect_graph.strategy = chooser.substr(0, chooser.find(" on "));
+  config.aspect_graph.fixed_step_deg = 120.0;  // round the object in three steps
+  if (chooser == kPaper || chooser == kOursOnPaper) config.views.placed = 0;
   return config;
 }
 
@@ -92,6 +92,7 @@ Finding LookTrial::Judge(const Knowledge& knowledge) const {
   finding.reason = knowledge.vain;
   const ObjectBelief* belief = Target(knowledge);
   if (belief == nullptr) {
+    finding.lacks = WhatLacks(knowledge, finding);
     finding.reason += " nothing is believed to stand there";
     for (const ObjectBelief& other : knowledge.scene.belief().objects) {
       finding.reason += fmt::format("; object {}: {}", other.id, other.reason);
@@ -105,17 +106,39 @@ Finding LookTrial::Judge(const Knowledge& knowledge) const {
   finding.verified = belief->state == ObjectState::kVerified;
   finding.unknown = belief->state == ObjectState::kUnknown;
   finding.candidate = !belief->Settled() && belief->Best() != nullptr;
-  finding.right =
-      finding.verified && belief->Best()->model == object().name && PoseIsRight(knowledge, *belief);
+  finding.probability = ProbabilityInLastView(knowledge, *belief);
+  if (finding.verified && belief->Best()->model == object().name) {
+    const world::PoseHypothesis& best = *belief->Best();
+    const int view = best.BestView()->view;  // that shows it best
+    finding.right = PoseIsRight(knowledge, view,
+                                knowledge.scene.belief().views[view].X_WC.inverse() * best.X_WM);
+  }
+  if (!finding.right) finding.lacks = WhatLacks(knowledge, finding);
   return finding;
 }
 
+std::string LookTrial::WhatLacks(const Knowledge& knowledge, const Finding& finding) const {
+  constexpr double kBelieved = 0.9;
+  const ObjectBelief* belief = Target(knowledge);
+  if (finding.verified) {
+    return belief->Best()->model == object().name ? "wrong pose" : "wrong class";
+  }
+  if (!knowledge.vain.empty()) return "view not registered";
+  if (belief == nullptr) return "not found";
+  if (finding.unknown) return "called unknown";
+  if (finding.BeliefIn(object().name) < kBelieved) return "class open";
+  return belief->reason.find("its pose is open") != std::string::npos ? "pose open"
+                                                                      : "pose not verified";
+}
+
 std::vector<world::Look> LookTrial::Candidates(const Knowledge& knowledge,
-                                               const std::string& chooser) const {
+                                               const std::string& chooser,
+                                               const world::VoxelSpace* map) const {
   const ObjectBelief* target = Target(knowledge);
   if (target == nullptr) return {};
   Question question;
   question.open = {target};
+  question.map = map;
   LookPlanner planner(ConfigOf(chooser), UnderstandingConfig(), carrier_);
   for (const Vector3d& p_WC : knowledge.vain_views_W) planner.NoteVain(p_WC);
   Rng rng(ForkSeed(
@@ -125,6 +148,16 @@ std::vector<world::Look> LookTrial::Candidates(const Knowledge& knowledge,
       planner.Candidates(knowledge.scene, task_, question, knowledge.stance, &rng);
   planning::ChooseLook(&looks);
   return looks;
+}
+
+world::VoxelSpace LookTrial::MapOfLastView(const Knowledge& knowledge) {
+  const UnderstandingConfig config;
+  const world::SceneBelief& belief = knowledge.scene.belief();
+  const world::Observation& last = belief.views.back();
+  world::VoxelSpace space(config.voxel_space,
+                          world::WorkspaceAbove(*belief.plane_W, config.voxel_space));
+  space.Insert(last.frame.depth, last.camera, last.X_WC, config.depth_stride);
+  return space;
 }
 
 double LookTrial::VisibleShare(const Stance& stance) {
@@ -176,17 +209,27 @@ const ObjectBelief* LookTrial::Target(const Knowledge& knowledge) const {
   return nearest;
 }
 
-/// In the camera frame of the view that shows it best, up to the object's symmetry.
-bool LookTrial::PoseIsRight(const Knowledge& knowledge, const ObjectBelief& belief) const {
+/// Whether the object is at X_CM in the camera frame of a view, up to its symmetry.
+bool LookTrial::PoseIsRight(const Knowledge& knowledge, int view, const Pose& X_CM) const {
   const JudgeConfig limits;
-  const world::PoseHypothesis& best = *belief.Best();
-  const int view = best.BestView()->view;
-  const Pose X_CM = knowledge.scene.belief().views[view].X_WC.inverse() * best.X_WM;
   const Pose X_CM_true = knowledge.true_X_WC[view].inverse() * object().X_WM;
-  const auto& model = *perception::FindModel(knowledge.scene.models(), best.model);
+  const auto& model = *perception::FindModel(knowledge.scene.models(), object().name);
   const perception::PoseDistance error =
       perception::DistanceUpToSymmetry(X_CM_true, X_CM, model.symmetry, model.center_M, true);
   return error.translation <= limits.max_m && error.rotation <= limits.max_deg * kDegree;
+}
+
+double LookTrial::ProbabilityInLastView(const Knowledge& knowledge,
+                                        const ObjectBelief& belief) const {
+  const world::Sighting& last = belief.sightings.back();
+  const std::vector<world::Observation>& views = knowledge.scene.belief().views;
+  if (!knowledge.vain.empty() || last.view + 1 != static_cast<int>(views.size())) return 0.0;
+  double probability = 0.0;
+  for (const world::Hypothesis& h : views[last.view].detections[last.detection].hypotheses) {
+    if (h.model != object().name || !PoseIsRight(knowledge, last.view, h.X_CM)) continue;
+    probability = std::max(probability, h.probability);
+  }
+  return probability;
 }
 
 const world::Look* ChosenOf(const std::vector<world::Look>& looks) {

@@ -14,10 +14,18 @@
 
 namespace secondlook::apps {
 
-/// The ways to choose the next look that are compared, ours last (planning::LookStrategy).
-constexpr std::array<const char*, 5> kChoosers{"random", "nearest", "fixed step", "McGreavy",
+/// The ways to choose the next look that are compared, ours last: strategies
+/// (planning::LookStrategy), where `on …` says among which candidates.
+constexpr std::array<const char*, 7> kChoosers{"random",
+                                               "nearest",
+                                               "fixed step",
+                                               "McGreavy",
+                                               "McGreavy on all candidates",
+                                               "expected loss on 38 poses",
                                                "expected loss"};
-constexpr const char* kPaper = "McGreavy";
+constexpr const char* kPaper = "McGreavy";  ///< On its 38 poses; others have placed ones, too.
+constexpr const char* kPaperOnAll = "McGreavy on all candidates";
+constexpr const char* kOursOnPaper = "expected loss on 38 poses";
 constexpr const char* kOurs = "expected loss";
 
 /// What is known after some views.
@@ -36,7 +44,11 @@ struct Finding {
   bool unknown{};    ///< Settled: nothing that is known fits.
   bool right{};      ///< Verified by its true name, within 10 mm and 5 degrees.
   std::map<std::string, double> beliefs;  ///< By class.
+  /// Calibrated, of its true name and pose, by the last view alone (world::Hypothesis); 0 without.
+  double probability{};
   std::string reason;  ///< Why it is in its state, or why the last view taught nothing.
+  /// What is amiss, one of a few kinds; empty when it is right.
+  std::string lacks;
 
   double BeliefIn(const std::string& name) const {
     const auto found = beliefs.find(name);
@@ -72,8 +84,12 @@ class LookTrial {
   Finding Judge(const Knowledge& knowledge) const;
 
   /// The candidates as `chooser` scores them, one of them chosen if any is possible; none when
-  /// nothing is believed to be where the object is.
-  std::vector<world::Look> Candidates(const Knowledge& knowledge, const std::string& chooser) const;
+  /// nothing is believed to be where the object is. Planned in `map` when that is not null.
+  std::vector<world::Look> Candidates(const Knowledge& knowledge, const std::string& chooser,
+                                      const world::VoxelSpace* map = nullptr) const;
+
+  /// What the last view of `knowledge` alone shows of the world. @pre there is a view.
+  static world::VoxelSpace MapOfLastView(const Knowledge& knowledge);
 
   /// The share of the object's silhouette that a view from `stance` shows.
   double VisibleShare(const Stance& stance);
@@ -87,7 +103,9 @@ class LookTrial {
   Sight Look(const Stance& stance);
   Knowledge Extended(Knowledge knowledge, const Stance& stance);
   const world::ObjectBelief* Target(const Knowledge& knowledge) const;
-  bool PoseIsRight(const Knowledge& knowledge, const world::ObjectBelief& belief) const;
+  std::string WhatLacks(const Knowledge& knowledge, const Finding& finding) const;
+  bool PoseIsRight(const Knowledge& knowledge, int view, const Pose& X_CM) const;
+  double ProbabilityInLastView(const Knowledge& knowledge, const world::ObjectBelief& belief) const;
 
   int target_;
   const SceneUnderstanding& blank_;

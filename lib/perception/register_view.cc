@@ -147,6 +147,18 @@ PoseCovariance HeldInformation(const std::vector<PointPlanePair>& pairs,
   return to_centroid.transpose() * held * to_centroid;
 }
 
+/// The most probable pose: X_WC by what the pairs hold, the nominal pose by what is known of it.
+Pose MostProbable(const Pose& X_WC, const PoseCovariance& held, const Pose& nominal_X_WC,
+                  const PoseCovariance& prior_information) {
+  const Vector6 to_nominal = Between(X_WC, nominal_X_WC);
+  const Vector6 move =
+      PoseCovariance(held + prior_information).llt().solve(prior_information * to_nominal);
+  Pose moved = X_WC;
+  moved.linear() = RotationFromVector(move.head<3>()) * X_WC.linear();
+  moved.translation() += move.tail<3>();
+  return moved;
+}
+
 /// The point of the plane's edge beside a pixel of the plane: above its upright side where that is
 /// seen, else halfway to the next pixel that sees past it.
 std::optional<Vector3d> EdgePoint(const geometry::PointImage& image,
@@ -419,12 +431,12 @@ ViewRegistration RegisterView(const std::vector<SurfacePoint>& points_C,
         config.max_sigmas);
     return result;
   }
-  result.X_WC = X_WC;
   result.accepted = true;
   const PoseCovariance prior_information = prior.solve(PoseCovariance::Identity());
-  const PoseCovariance information =
-      prior_information + HeldInformation(pairs, step, X_WC.translation(), config.min_constraint) /
-                              config.pairs_per_independent;
+  const PoseCovariance held =
+      HeldInformation(pairs, step, X_WC.translation(), config.min_constraint);
+  result.X_WC = MostProbable(X_WC, held, nominal_X_WC, prior_information);
+  const PoseCovariance information = prior_information + held / config.pairs_per_independent;
   result.covariance = information.llt().solve(PoseCovariance::Identity());
   return result;
 }

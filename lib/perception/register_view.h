@@ -50,7 +50,7 @@ struct RegisterConfig {
   double min_constraint{0.005};        ///< Of SolvePointToPlane: less of the weight holds nothing.
   int min_pairs{100};                  ///< Fewer are no registration.
   double pairs_per_independent{40.0};  ///< So many pairs say as much as one independent one.
-  double max_sigmas{5.0};  ///< A result farther from the nominal pose is refused (Mahalanobis).
+  double max_sigmas{5.0};  ///< Pairs that say a pose farther from the nominal one are refused.
 
   template <class A>
   void Serialize(A* a) {
@@ -138,22 +138,22 @@ class ReferenceCloud {
 
 /// How a view fits the map.
 struct ViewRegistration {
-  /// The registered pose; the nominal one where it was refused, and in the directions that the
-  /// data does not hold.
+  /// The most probable pose by what was seen and by where the camera should be; the nominal one
+  /// where it was refused.
   Pose X_WC{Pose::Identity()};
   PoseCovariance covariance{PoseCovariance::Zero()};  ///< Of X_WC.
   int constrained{};                                  ///< Directions held by the data, 0 .. 6.
   int pairs{};                                        ///< Of the last iteration.
   double rms{};     ///< Of the distances of these along the normals [m].
-  double sigmas{};  ///< Mahalanobis distance from the nominal pose.
+  double sigmas{};  ///< Mahalanobis distance between what the pairs say and the nominal pose.
   bool accepted{};
   std::string reason;  ///< Why not, with values; empty when accepted.
 };
 
 /// Registers a view to the map by robust point-to-plane ICP (Chen and Medioni 1992): nearest
 /// neighbours of compatible normals within a gate that shrinks, Tukey weights, by the sensor's and
-/// the map's uncertainty. Directions that the data does not hold (SolvePointToPlane) stay where
-/// the nominal pose has them.
+/// the map's uncertainty, and the nominal pose by its covariance: what pairs hold little stays near
+/// it. A result is refused when pairs and nominal pose contradict each other.
 /// @param nominal_X_WC What localisation, head and calibration say, known up to `covariance`.
 /// @throws InvalidArgument for an empty reference, a pose that is not valid, or a covariance that
 /// is not positive definite. ConfigError when `config` is not valid.

@@ -31,6 +31,15 @@ enum class LookStrategy {
 /// @throws ConfigError naming `text` and what is expected.
 LookStrategy ParseLookStrategy(const std::string& text);
 
+/// Where the values come from. Measured or derived: `evidence` is the steepness of
+/// perception::ScoreOf(); `depth_sigmas` two of the sensor's own; `ahead_speed` the simulated
+/// base's 0.5 m/s with its turns and stops; `look_seconds` what the mission charges for a look. Of
+/// the task, to be set by who gives it: `loss`. Of the paper (McGreavy 2016) or its peers:
+/// `fixed_step_deg` (Wixson 1994). Chosen by hand, and backed by no measurement but that the looks
+/// that are taken settle things (experiments `unobstructed` to `rejection`): `ray_columns`,
+/// `box_margin_m` (three voxels), `unknown_m` (four voxels), `unknown_survival` (nothing is known:
+/// even odds), `min_visibility`, `same_view_deg`, `new_view_deg`, `new_view_unknown_deg`,
+/// `same_view_novelty`, `color_difference`, `unlike`, `few_px`.
 struct AspectGraphConfig {
   std::string strategy{"expected loss"};
   LossConfig loss;

@@ -7,7 +7,9 @@
 namespace secondlook::planning {
 
 /// What a task loses by how things are left, in any one unit: the one currency in which looks of
-/// every kind are weighed.
+/// every kind are weighed. The values are a task's to set, not to be measured: these say that a
+/// wrong name costs as much as ten open ones, and a look of 20 s pays when it saves a hundredth of
+/// one.
 struct LossConfig {
   double wrong{10.0};      ///< By a thing that is called what it is not.
   double unsettled{1.0};   ///< By a thing that is left open.

@@ -19,6 +19,7 @@ struct Sequel {
   double share{};    ///< Of its evidence that the first has not given already, in [0, 1].
 };
 
+/// By hand: as many pairs as leave the choice of a look within its time.
 struct LookAheadConfig {
   int firsts{6};   ///< So many looks, the best by themselves, are looked beyond …
   int seconds{8};  ///< … to so many.

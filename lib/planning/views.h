@@ -15,6 +15,9 @@
 
 namespace secondlook::planning {
 
+/// The number of poses is the paper's (McGreavy 2016), which does not say how far from the object
+/// its rings are: the radii are what the simulated robot's camera sees well from. The other values
+/// are chosen by hand.
 struct ViewsConfig {
   double inner_radius_m{0.95};  ///< From the target to the base's centre.
   double outer_radius_m{1.35};

@@ -76,6 +76,45 @@ TEST(LookTrial, ChoosesOneOfTheCandidatesInEachWay) {
   }
 }
 
+TEST(LookTrial, LooksFromElsewhereOnceSomethingStandsInTheWay) {
+  const SceneUnderstanding blank = Knowing({"tea_box", "canister_blue"});
+  world::Task task;
+  task.confidence = 0.999;  // more than a view tells
+  sim::Scene cluttered = TeaBox();
+  sim::SceneObject occluder;
+  occluder.mesh = "sim/models/canister_blue/mesh.obj";
+  occluder.name = "canister_blue";
+  LookTrial clear(TeaBox(), 0, blank, task, 1);
+  const Stance start = clear.Facing(-1.2, 1.5);
+  clear.Begin(start);
+  const std::vector<world::Look> without = clear.Candidates(clear.start(), kOurs);
+  ASSERT_NE(ChosenOf(without), nullptr);
+  const Stance chosen = StanceOf(*ChosenOf(without));
+  // Where the robot would look from, something stands now.
+  const Eigen::Vector2d way = Eigen::Vector2d(chosen.X_WB.x, chosen.X_WB.y).normalized();
+  occluder.position = {0.16 * way.x(), 0.16 * way.y()};
+  cluttered.objects.push_back(occluder);
+  LookTrial hidden(cluttered, 0, blank, task, 1);
+  ASSERT_LT(hidden.VisibleShare(chosen), 0.95);
+  hidden.Begin(start);
+  const std::vector<world::Look> with = hidden.Candidates(hidden.start(), kOurs);
+  ASSERT_NE(ChosenOf(with), nullptr);
+  EXPECT_GT(hidden.VisibleShare(StanceOf(*ChosenOf(with))), 0.95);
+}
+
+TEST(LookTrial, TheMapOfTheLastViewHasForgottenWhatOnlyTheFirstSaw) {
+  const SceneUnderstanding blank = Knowing({"tea_box"});
+  LookTrial trial(TeaBox(), 0, blank, {}, 1);
+  trial.Begin(trial.Facing(-1.2, 1.2));
+  const Knowledge& known = trial.After({trial.Facing(0.4, 1.2)});
+  ASSERT_EQ(known.vain, "");
+  const world::VoxelSpace last = LookTrial::MapOfLastView(known);
+  // Halfway from the first camera to the box.
+  const Eigen::Vector3d p_W(0.5 * 0.9 * std::cos(-1.2), 0.5 * 0.9 * std::sin(-1.2), 1.05);
+  EXPECT_EQ(known.scene.space().At(p_W), world::Occupancy::kFree);
+  EXPECT_EQ(last.At(p_W), world::Occupancy::kUnknown);
+}
+
 /// A trial whose course by each chooser took so many seconds, and whether it was good.
 Json TrialWith(double paper_seconds, double our_seconds, bool good) {
   Json trial;

@@ -221,5 +221,30 @@ TEST(SceneUnderstanding, BelievesNoViewThatSeesThroughMostOfWhatStandsThere) {
   EXPECT_EQ(Verified(understanding, "tea_box").size(), 1U);
 }
 
+TEST(SceneUnderstanding, RegistersAViewFromBehindByWhatItRecognises) {
+  sim::Scene scene;  // a box alone on a plinth: the two views have hardly a surface in common
+  scene.table.size = {0.5, 0.5};
+  scene.table.height = 0.95;
+  scene.table.solid = true;
+  scene.objects = {Known("tea_box", 0.0, 0.0, 20.0)};
+  FreeCamera camera(scene, 1);
+  SceneUnderstanding understanding({}, {}, Shipped({"tea_box", "mug"}));
+  const auto capture = [&](double azimuth_deg, const Pose& error) {
+    const double azimuth = azimuth_deg * 3.14159265 / 180.0;
+    const Vector3d eye(1.1 * std::cos(azimuth), 1.1 * std::sin(azimuth), 1.15);
+    const Photo photo = camera.Take(LookAt(eye, {0.0, 0.0, 1.0}));
+    return Capture{photo.frame, camera.info().model, error * photo.X_WC,
+                   Vector3d(0.0, 0.0, -eye.z())};
+  };
+  ASSERT_EQ(understanding.Add(capture(0.0, Pose::Identity())), "");
+  Pose error = Pose::Identity();  // 36 mm
+  error.translation() = Vector3d(-0.03, 0.02, 0.0);
+  const Capture behind = capture(170.0, error);
+  ASSERT_EQ(understanding.Add(behind), "");
+  const Pose& X_WC = understanding.belief().views[1].X_WC;
+  const Vector3d p_CO = (error.inverse() * behind.X_WC).inverse() * Vector3d(0.0, 0.0, 1.0);
+  EXPECT_LT((X_WC * p_CO - Vector3d(0.0, 0.0, 1.0)).norm(), 0.008);
+}
+
 }  // namespace
 }  // namespace secondlook::apps

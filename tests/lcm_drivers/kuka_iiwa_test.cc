@@ -113,13 +113,12 @@ struct Driven {
 };
 
 INSTANTIATE_TEST_SUITE_P(KukaIiwa, ArmContract,
-                         ::testing::Values(ArmFactory{"Emulated",
-                                                      [] {
-                                                        const auto driven =
-                                                            std::make_shared<Driven>();
-                                                        return ArmRig{&driven->clock,
-                                                                      driven->arm.get(), driven};
-                                                      }}),
+                         ::testing::Values(ArmFactory{
+                             "Emulated",
+                             [] {
+                               const auto driven = std::make_shared<Driven>();
+                               return ArmRig{&driven->clock, driven->arm.get(), driven};
+                             }}),
                          [](const auto& info) { return info.param.name; });
 
 TEST(KukaIiwa, CommandsNothingBeforeItIsToMoveAndHoldsItAfterwards) {
@@ -191,10 +190,10 @@ TEST(KukaIiwa, RefusesTheStatusOfAnotherArm) {
   Driven driven;
   drake::lcmt_iiwa_status status{};
   status.num_joints = 1;
-  for (auto* values : {&status.joint_position_measured, &status.joint_velocity_estimated,
-                       &status.joint_position_commanded, &status.joint_position_ipo,
-                       &status.joint_torque_measured, &status.joint_torque_commanded,
-                       &status.joint_torque_external}) {
+  for (auto* values :
+       {&status.joint_position_measured, &status.joint_velocity_estimated,
+        &status.joint_position_commanded, &status.joint_position_ipo, &status.joint_torque_measured,
+        &status.joint_torque_commanded, &status.joint_torque_external}) {
     values->push_back(0.0);
   }
   driven.clock.arm().Set(IiwaFault::kSilent);
