@@ -112,15 +112,16 @@ struct Driven {
   }
 };
 
+const auto kName = [](const auto& info) { return info.param.name; };
+
 INSTANTIATE_TEST_SUITE_P(KukaIiwa, ArmContract,
-                         ::testing::Values(ArmFactory{"Emulated",
-                                                      [] {
-                                                        const auto driven =
-                                                            std::make_shared<Driven>();
-                                                        return ArmRig{&driven->clock,
-                                                                      driven->arm.get(), driven};
-                                                      }}),
-                         [](const auto& info) { return info.param.name; });
+                         ::testing::Values(ArmFactory{
+                             "Emulated",
+                             [] {
+                               const auto driven = std::make_shared<Driven>();
+                               return ArmRig{&driven->clock, driven->arm.get(), driven};
+                             }}),
+                         kName);
 
 TEST(KukaIiwa, CommandsNothingBeforeItIsToMoveAndHoldsItAfterwards) {
   Driven driven;
@@ -191,10 +192,10 @@ TEST(KukaIiwa, RefusesTheStatusOfAnotherArm) {
   Driven driven;
   drake::lcmt_iiwa_status status{};
   status.num_joints = 1;
-  for (auto* values : {&status.joint_position_measured, &status.joint_velocity_estimated,
-                       &status.joint_position_commanded, &status.joint_position_ipo,
-                       &status.joint_torque_measured, &status.joint_torque_commanded,
-                       &status.joint_torque_external}) {
+  for (auto* values :
+       {&status.joint_position_measured, &status.joint_velocity_estimated,
+        &status.joint_position_commanded, &status.joint_position_ipo, &status.joint_torque_measured,
+        &status.joint_torque_commanded, &status.joint_torque_external}) {
     values->push_back(0.0);
   }
   driven.clock.arm().Set(IiwaFault::kSilent);

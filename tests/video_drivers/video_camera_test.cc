@@ -58,18 +58,17 @@ RgbdFrame GrabOne(VideoCamera* camera) {
   return *frame;
 }
 
-INSTANTIATE_TEST_SUITE_P(Video, CameraContract,
-                         ::testing::Values(CameraFactory{"Pictures",
-                                                         [] {
-                                                           const auto connected =
-                                                               std::make_shared<Connected>(300);
-                                                           return CameraRig{&connected->clock,
-                                                                            connected->camera.get(),
-                                                                            {},
-                                                                            false,
-                                                                            connected};
-                                                         }}),
-                         [](const auto& info) { return info.param.name; });
+const auto kName = [](const auto& info) { return info.param.name; };
+
+INSTANTIATE_TEST_SUITE_P(
+    Video, CameraContract,
+    ::testing::Values(CameraFactory{
+        "Pictures",
+        [] {
+          const auto connected = std::make_shared<Connected>(300);
+          return CameraRig{&connected->clock, connected->camera.get(), {}, false, connected};
+        }}),
+    kName);
 
 TEST(VideoCamera, GivesRgb) {
   Connected connected(100);

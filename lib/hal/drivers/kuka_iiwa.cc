@@ -27,10 +27,10 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr const char* kCommand = "IIWA_COMMAND";
 constexpr const char* kStatus = "IIWA_STATUS";
 constexpr std::size_t kJoints = 7;
-constexpr double kLongestBeat = 0.02;           // [s] of the trajectory between two statuses
-constexpr double kReached = 0.25 * kDegree;     // half of what Arm::Status() allows
-constexpr double kStill = 0.1 * kDegree;        // [rad/s]
-constexpr double kSettles = 1.0;                // [s] that it may take to arrive after its command
+constexpr double kLongestBeat = 0.02;        // [s] of the trajectory between two statuses
+constexpr double kReached = 0.25 * kDegree;  // half of what Arm::Status() allows
+constexpr double kStill = 0.1 * kDegree;     // [rad/s]
+constexpr double kSettles = 1.0;             // [s] that it may take to arrive after its command
 constexpr int kQueue = 10;
 
 }  // namespace
@@ -244,8 +244,8 @@ class KukaIiwa::Servo {
 
 void KukaIiwaConfig::Validate() const {
   if (name.empty()) Throw<ConfigError>("'name' is empty: messages call the arm by it");
-  for (const auto& [values, key] : {std::pair(&limit_deg, "limit_deg"),
-                                    std::pair(&speed_deg, "speed_deg")}) {
+  for (const auto& [values, key] :
+       {std::pair(&limit_deg, "limit_deg"), std::pair(&speed_deg, "speed_deg")}) {
     if (values->size() != kJoints) {
       Throw<ConfigError>("'{}' has {} values; an iiwa has {} joints", key, values->size(), kJoints);
     }

@@ -15,11 +15,12 @@ struct KukaIiwaConfig {
 
   std::string name{"iiwa"};
   /// Of each joint, base to tip, a little inside what an LBR iiwa 14 R820 can do.
-  std::vector<double> limit_deg{168.0, 118.0, 168.0, 118.0, 168.0, 118.0, 173.0};  ///< To each side.
-  std::vector<double> speed_deg{80.0, 80.0, 95.0, 70.0, 125.0, 130.0, 130.0};      ///< A second.
-  double acceleration_deg{150.0};   ///< Of every joint [deg/s^2].
-  double patience_seconds{0.1};     ///< Without a status for so long it is lost.
-  double max_lag_deg{5.0};          ///< A joint that lags more behind its command is held up.
+  std::vector<double> limit_deg{168.0, 118.0, 168.0, 118.0,
+                                168.0, 118.0, 173.0};                          ///< To each side.
+  std::vector<double> speed_deg{80.0, 80.0, 95.0, 70.0, 125.0, 130.0, 130.0};  ///< A second.
+  double acceleration_deg{150.0};  ///< Of every joint [deg/s^2].
+  double patience_seconds{0.1};    ///< Without a status for so long it is lost.
+  double max_lag_deg{5.0};         ///< A joint that lags more behind its command is held up.
 
   template <class A>
   void Serialize(A* a) {

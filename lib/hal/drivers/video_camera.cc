@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <utility>
 
+#include <spdlog/spdlog.h>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
-#include <spdlog/spdlog.h>
 
 #include "lib/common/check_range.h"
 #include "lib/common/error.h"

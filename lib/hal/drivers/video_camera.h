@@ -22,9 +22,9 @@ struct VideoCameraConfig {
   /// A V4L2 device (/dev/video0), a video file, numbered pictures (img_%04d.png), or a GStreamer
   /// pipeline that ends in appsink.
   std::string source{"/dev/video0"};
-  int width{640};   ///< A device is asked for this size; whatever comes must have it.
+  int width{640};  ///< A device is asked for this size; whatever comes must have it.
   int height{480};
-  double fps{30.0};  ///< Likewise; a file is played at this rate.
+  double fps{30.0};                ///< Likewise; a file is played at this rate.
   std::vector<double> intrinsics;  ///< fx, fy, cx, cy [px]; required.
   std::vector<double> distortion;  ///< k1, k2, p1, p2, k3 in OpenCV's meaning; empty: none.
   double latency_seconds{0.05};    ///< From mid-exposure to arrival.
