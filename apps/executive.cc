@@ -84,6 +84,9 @@ void Executive::Listen() {
     Stop(fmt::format("a command: '{}'", command.reason));
   });
   parts_.bus->Listen(channel::kTask, [this](const transport::Message& message) {
+    if (!parts_.takes_tasks) {
+      Throw<ProtocolError>("no task is taken from beyond this host; --remote-tasks allows it");
+    }
     world::Task task = FromMessage(transport::Decode<second_look::task_t>(message));
     task.Validate();
     const std::scoped_lock lock(mutex_);

@@ -25,6 +25,7 @@ struct ExecutiveParts {
   const Publisher* publisher{};  ///< What the mission is doing.
   const DeviceHealth* health{};  ///< How its devices are.
   std::function<std::string()> recording{};  ///< As status_t has it; may be empty.
+  bool takes_tasks{true};                    ///< Over the bus; stops are always taken.
 };
 
 /// The thread that must never wait, so that the robot can be seen and stopped while the mission

@@ -22,6 +22,7 @@ int Run(int argc, char** argv) {
   app.set_version_flag("--version", std::string("secondlook ") + kVersion);
   app.require_subcommand(1);
   int status = kDone;
+  AddCalibrate(&app, &status);
   AddCheck(&app, &status);
   AddExperiment(&app, &status);
   AddModel(&app, &status);

@@ -2,6 +2,9 @@
 
 #include <utility>
 
+#include "apps/real_robot.h"
+#include "lib/hal/drivers/live_clock.h"
+#include "lib/kinematics/calibration_file.h"
 #include "sim/scene.h"
 #include "sim/standing_room.h"
 
@@ -14,6 +17,22 @@ ReadyRobot Make(const sim::SimConfig& config, std::uint64_t seed) {
   sim::RequireStandingRoom(scene, simulated.world->objects());
   return {std::move(simulated.world), std::move(simulated.robot), simulated.calibration,
           std::move(simulated.hand)};
+}
+
+ReadyRobot Make(const RealConfig& config, std::uint64_t /*seed*/) {
+  ReadyRobot ready;
+  const kinematics::Calibration calibration = kinematics::LoadCalibration(config.calibration);
+  ready.calibration = calibration.head;
+  if (config.arm) ready.hand = LoadArm(*config.arm, calibration);
+  ready.robot.clock = std::make_unique<hal::LiveClock>();
+  RealDevices devices(config, ready.robot.clock.get());
+  // What moves last, so that nothing has been started when something is missing.
+  ready.robot.head_camera = devices.OpenCamera();
+  if (config.arm) ready.robot.hand_camera = devices.OpenHandCamera();
+  ready.robot.base = devices.OpenBase();
+  ready.robot.head = devices.OpenHead();
+  if (config.arm) ready.robot.arm = devices.OpenArm();
+  return ready;
 }
 
 }  // namespace

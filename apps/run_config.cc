@@ -15,6 +15,10 @@ std::vector<std::string*> RelativePaths(RunConfig* config) {
     paths.push_back(&sim->scene);
     if (sim->arm) paths.push_back(&sim->arm->urdf);
   }
+  if (auto* real = std::get_if<RealConfig>(&config->robot)) {
+    paths.push_back(&real->calibration);
+    if (real->arm) paths.push_back(&real->arm->urdf);
+  }
   std::erase_if(paths, [](const std::string* path) {
     return path->empty() || fs::path(*path).is_absolute();
   });
@@ -40,6 +44,13 @@ RunConfig LoadRunConfig(const fs::path& file, const std::vector<std::string>& ov
   const auto* sim = std::get_if<sim::SimConfig>(&config.robot);
   if (sim != nullptr && sim->scene.empty()) {
     Throw<ConfigError>("{}: 'robot.scene' is missing: the scene file to simulate", file.string());
+  }
+  const auto* real = std::get_if<RealConfig>(&config.robot);
+  if (real != nullptr && real->calibration.empty()) {
+    Throw<ConfigError>(
+        "{}: 'robot.calibration' is missing: the calibration file, as `secondlook calibrate` makes "
+        "it",
+        file.string());
   }
   return config;
 }

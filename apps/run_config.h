@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/mission_config.h"
+#include "apps/real_robot.h"
 #include "lib/common/error.h"
 #include "lib/world/object_database.h"
 #include "lib/world/task.h"
@@ -15,7 +16,7 @@
 namespace secondlook::apps {
 
 /// The robot's backend, chosen by its tag: `robot: !Sim {scene: …}`.
-using RobotConfig = std::variant<sim::SimConfig>;
+using RobotConfig = std::variant<sim::SimConfig, RealConfig>;
 
 /// The configuration of `secondlook run` and `check`.
 struct RunConfig {

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,8 +12,11 @@
 #include "apps/capture.h"
 #include "apps/commands/commands.h"
 #include "apps/make_robot.h"
+#include "apps/real_robot.h"
 #include "apps/run_config.h"
 #include "lib/common/error.h"
+#include "lib/hal/drivers/live_clock.h"
+#include "lib/kinematics/calibration_file.h"
 #include "lib/world/object_database.h"
 #include "sim/scene.h"
 #include "sim/standing_room.h"
@@ -21,6 +25,7 @@ namespace secondlook::apps {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kRateSeconds = 1.0;  // for which frames are counted
 
 struct CheckOptions {
   std::string config;
@@ -119,18 +124,29 @@ std::string CheckCalibration(const kinematics::HeadCalibration& calibration) {
       p_BC.x(), p_BC.y(), p_BC.z());
 }
 
+/// What to say of how well it was calibrated, if it was.
+std::string CheckResiduals(const std::optional<kinematics::CalibrationResiduals>& residuals) {
+  if (!residuals) return "; nobody has calibrated it: `secondlook calibrate` does";
+  return fmt::format("; calibrated from {} views, {:.2f} px, to {:.1f} mm and {:.2f} deg",
+                     residuals->views, residuals->pixels, residuals->millimetres,
+                     residuals->degrees);
+}
+
 std::string CheckCamera(const hal::CameraInfo& info) {
   info.model.Validate(("camera '" + info.name + "'").c_str());
   if (!info.has_depth) {
     Throw<ConfigError>("camera '{}': it has no depth, and a mission needs a camera with depth",
                        info.name);
   }
+  const hal::CameraModel& m = info.model;
   const auto angle = [](int pixels, double focal) {
     return 2.0 * std::atan(0.5 * pixels / focal) * kDegrees;
   };
-  return fmt::format("'{}': {} x {} pixels, {:.0f} x {:.0f} deg, depth from {} to {} m", info.name,
-                     info.model.width, info.model.height, angle(info.model.width, info.model.fx),
-                     angle(info.model.height, info.model.fy), info.min_depth, info.max_depth);
+  return fmt::format(
+      "'{}': {} x {} pixels, {:.0f} x {:.0f} deg, depth from {} to {} m; fx {:.1f}, fy {:.1f}, cx "
+      "{:.1f}, cy {:.1f} px",
+      info.name, m.width, m.height, angle(m.width, m.fx), angle(m.height, m.fy), info.min_depth,
+      info.max_depth, m.fx, m.fy, m.cx, m.cy);
 }
 
 /// Waits for a frame as a mission would.
@@ -154,6 +170,28 @@ std::string CheckFrame(const LookConfig& looks, hal::Camera* camera) {
   }
   return fmt::format("'{}': frame {} came; {:.0f} % of its pixels have depth", name,
                      frame->sequence, 100.0 * share);
+}
+
+/// How often frames come, and how old the newest is.
+std::string CheckRate(hal::Camera* camera, const Clock& clock) {
+  std::optional<hal::RgbdFrame> first;
+  std::optional<hal::RgbdFrame> last;
+  const Time end = clock.Now() + Seconds(kRateSeconds);
+  while (clock.Now() < end) {
+    std::optional<hal::RgbdFrame> frame = camera->Grab(Seconds(kRateSeconds));
+    if (!frame) continue;
+    if (!first) first = frame;
+    last = std::move(frame);
+  }
+  if (!last || last->sequence == first->sequence) {
+    Throw<DeviceError>(
+        "camera '{}': not two frames in {} s; lower its resolution, or check its cable",
+        camera->info().name, kRateSeconds);
+  }
+  const auto frames = static_cast<double>(last->sequence - first->sequence);
+  return fmt::format("'{}': {:.0f} frames a second, the newest {:.3f} s old", camera->info().name,
+                     frames / ToSeconds(last->time - first->time),
+                     ToSeconds(clock.Now() - last->time));
 }
 
 std::string CheckHead(hal::PanTilt* head) {
@@ -211,11 +249,46 @@ std::string CheckBase(hal::Base* base) {
                      X_WB.x, X_WB.y, X_WB.yaw * kDegrees, info.radius, info.speed);
 }
 
+/// A real robot, each device by itself, so that one that does not answer does not hide the next.
+void CheckRealRobot(const RunConfig& config, const RealConfig& real, Checklist* list) {
+  kinematics::Calibration calibration;
+  list->Check("calibration", [&] {
+    calibration = kinematics::LoadCalibration(real.calibration);
+    return CheckCalibration(calibration.head) + CheckResiduals(calibration.residuals);
+  });
+  const hal::LiveClock clock;
+  RealDevices devices(real, &clock);
+  const auto check_frames = [&](const std::string& prefix, hal::Camera* camera) {
+    list->Check(prefix + "frame", [&] { return CheckFrame(config.mission.looks, camera); });
+    list->Check(prefix + "rate", [&] { return CheckRate(camera, clock); });
+  };
+  std::unique_ptr<hal::Camera> camera;
+  const bool sees = list->Check("camera", [&] {
+    camera = devices.OpenCamera();
+    return CheckCamera(camera->info());
+  });
+  if (sees) check_frames("", camera.get());
+  list->Check("pan-tilt", [&] { return CheckHead(devices.OpenHead().get()); });
+  list->Check("base", [&] { return CheckBase(devices.OpenBase().get()); });
+  if (!real.arm) return;
+  list->Check("arm", [&] { return CheckArm(devices.OpenArm().get()); });
+  std::unique_ptr<hal::Camera> hand_camera;
+  const bool hand_sees = list->Check("hand camera", [&] {
+    hand_camera = devices.OpenHandCamera();
+    return CheckHandCamera(hand_camera->info(), LoadArm(*real.arm, calibration));
+  });
+  if (hand_sees) check_frames("hand ", hand_camera.get());
+}
+
 void CheckRobot(const RunConfig& config, Checklist* list) {
+  if (const auto* real = std::get_if<RealConfig>(&config.robot)) {
+    CheckRealRobot(config, *real, list);
+    return;
+  }
   std::optional<ReadyRobot> ready;
   const bool connected = list->Check("robot", [&] {
     ready.emplace(MakeRobot(config.robot, config.seed));
-    return std::string(ready->world ? "simulated" : "connected");
+    return std::string("simulated");
   });
   if (!connected) return;
   hal::Robot& robot = ready->robot;

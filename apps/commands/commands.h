@@ -16,6 +16,7 @@ enum ExitStatus {
 // Each adds its subcommand to `app`. When the command line names it, the subcommand runs while the
 // line is parsed and leaves its exit status in `*status`, which must outlive `app`. What it throws
 // is for main() to report.
+void AddCalibrate(CLI::App* app, int* status);
 void AddCheck(CLI::App* app, int* status);
 void AddExperiment(CLI::App* app, int* status);
 void AddModel(CLI::App* app, int* status);

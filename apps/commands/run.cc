@@ -42,6 +42,7 @@ struct RunOptions {
   double log_split_mb{1000.0};
   std::string lcm_url{transport::kDefaultLcmUrl};
   bool plan_only{};
+  bool remote_tasks{};
 };
 
 double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -56,7 +57,11 @@ void PrintPlan(const std::optional<TakenLook>& plan) {
 }
 
 /// The bus; null for "none".
-std::unique_ptr<transport::LcmBus> OpenBus(const std::string& url) {
+std::unique_ptr<transport::LcmBus> OpenBus(const std::string& url, bool remote_tasks) {
+  if (transport::ReachesBeyondThisHost(url)) {
+    spdlog::warn("{} reaches beyond this host: everybody there can see this mission, stop it{}",
+                 url, remote_tasks ? " and give it tasks" : "; --remote-tasks takes tasks, too");
+  }
   return url == "none" ? nullptr : std::make_unique<transport::LcmBus>(url);
 }
 
@@ -89,7 +94,7 @@ int Run(const RunOptions& options) {
   CatchStopSignals();
   const RunConfig config = LoadRunConfig(options.config, options.overrides);
   if (!options.report.empty()) MakeWritableFolder(options.report);
-  const std::unique_ptr<transport::LcmBus> bus = OpenBus(options.lcm_url);
+  const std::unique_ptr<transport::LcmBus> bus = OpenBus(options.lcm_url, options.remote_tasks);
   transport::Outbox outbox(Executive::kOutboxBytes);
   std::vector<transport::Sink*> sinks;
   if (bus && bus->unreachable().empty()) sinks.push_back(&outbox);
@@ -109,8 +114,9 @@ int Run(const RunOptions& options) {
   DeviceHealth health(ready.robot);
   hal::Robot robot = hal::Tap(std::move(ready.robot), &health);
   Publisher publisher(sinks);
-  Executive executive(
-      {bus.get(), &outbox, &robot, &publisher, &health, [&] { return log ? log->state() : ""; }});
+  Executive executive({bus.get(), &outbox, &robot, &publisher, &health,
+                       [&] { return log ? log->state() : ""; },
+                       options.remote_tasks || !transport::ReachesBeyondThisHost(options.lcm_url)});
   StopRequest stop = [&] { return executive.StopRequested(); };
   if (log) stop = log->Recorded(std::move(stop), StopSignal);
   Mission mission(config.mission, config.task, database, ready.calibration, config.seed, stop,
@@ -163,6 +169,8 @@ void AddRun(CLI::App* app, int* status) {
       ->capture_default_str();
   run->add_option("--lcm-url", options->lcm_url, "LCM network to speak on; 'none' for none")
       ->capture_default_str();
+  run->add_flag("--remote-tasks", options->remote_tasks,
+                "Take tasks from beyond this host, when --lcm-url reaches there");
   run->add_flag("--plan-only", options->plan_only, "Look once, say what would be done, don't move");
   run->callback([options, status] { *status = Run(*options); });
 }

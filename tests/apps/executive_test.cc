@@ -69,9 +69,9 @@ class BlockedMission : public ::testing::Test {
     });
   }
 
-  void Start() {
-    executive_.emplace(
-        ExecutiveParts{&bus_, &outbox_, &robot_, &publisher_, &health_, [] { return "a.log"; }});
+  void Start(bool takes_tasks = true) {
+    executive_.emplace(ExecutiveParts{&bus_, &outbox_, &robot_, &publisher_, &health_,
+                                      [] { return "a.log"; }, takes_tasks});
   }
   /// Ends it, and waits for the last that it sends.
   void Finish() {
@@ -202,6 +202,17 @@ TEST_F(BlockedMission, NeverGetsATaskThatIsNotValid) {
   EXPECT_EQ(status.last_rejected,
             "SECONDLOOK_TASK: second_look.task_t: 'confidence' is not finite");
   EXPECT_FALSE(executive_->TakeTask());
+}
+
+TEST_F(BlockedMission, TakesAStopButNoTaskFromWhereNoneIsTaken) {
+  Start(false);
+  Bring(world::Task{});
+  const status_t status = StatusWhere([](const status_t& s) { return s.rejected > 0; });
+  EXPECT_THAT(status.last_rejected, ::testing::HasSubstr("no task is taken from beyond this host"));
+  EXPECT_FALSE(executive_->TakeTask());
+  Bring(MakeCommand(command_t::STOP));
+  stopped_.get_future().wait();
+  EXPECT_TRUE(executive_->StopRequested());
 }
 
 TEST_F(BlockedMission, SaysInStatusWhyItDoesNotDoATask) {

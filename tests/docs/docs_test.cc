@@ -203,6 +203,9 @@ TEST(Docs, EveryFileThatIsNamedExists) {
 
 TEST(Docs, EveryKeyOfAConfigurationThatIsNamedExists) {
   const Keys config(ToYaml(apps::RunConfig{}));
+  apps::RunConfig on_real_robot;
+  on_real_robot.robot = apps::RealConfig{};
+  const Keys real(ToYaml(on_real_robot));
   const Keys scene = SceneKeys();
   int keys = 0;
   for (const fs::path& page : Pages()) {
@@ -213,7 +216,8 @@ TEST(Docs, EveryKeyOfAConfigurationThatIsNamedExists) {
       named.push_back(key);
     }
     for (const std::string& key : named) {
-      EXPECT_TRUE(config.Contain(key) || scene.Contain(key)) << page << " names '" << key << "'";
+      EXPECT_TRUE(config.Contain(key) || real.Contain(key) || scene.Contain(key))
+          << page << " names '" << key << "'";
       ++keys;
     }
   }
@@ -251,13 +255,18 @@ TEST(Docs, EveryExampleOfAConfigurationLoads) {
   EXPECT_GE(examples, 1);
 }
 
-TEST(Docs, EveryChannelStandsThereWithItsType) {
-  const std::string text = ReadFile("docs/channels.md");
-  for (const transport::ChannelType& c : transport::Channels()) {
+void ExpectChannels(const std::string& file, const std::vector<transport::ChannelType>& channels) {
+  const std::string text = ReadFile(file);
+  for (const transport::ChannelType& c : channels) {
     EXPECT_TRUE(std::regex_search(
         text, std::regex(fmt::format("\\n\\| `{}` \\| `{}` \\|", c.channel, c.type))))
-        << c.channel << " of type " << c.type;
+        << c.channel << " of type " << c.type << " in " << file;
   }
+}
+
+TEST(Docs, EveryChannelStandsThereWithItsType) {
+  ExpectChannels("docs/channels.md", transport::Channels());
+  ExpectChannels("docs/real_robot.md", transport::DeviceChannels());
 }
 
 TEST(Docs, TheExampleOfASubscriberIsTheFileThatRuns) {

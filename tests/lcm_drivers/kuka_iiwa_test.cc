@@ -112,6 +112,8 @@ struct Driven {
   }
 };
 
+const auto kName = [](const auto& info) { return info.param.name; };
+
 INSTANTIATE_TEST_SUITE_P(KukaIiwa, ArmContract,
                          ::testing::Values(ArmFactory{
                              "Emulated",
@@ -119,7 +121,7 @@ INSTANTIATE_TEST_SUITE_P(KukaIiwa, ArmContract,
                                const auto driven = std::make_shared<Driven>();
                                return ArmRig{&driven->clock, driven->arm.get(), driven};
                              }}),
-                         [](const auto& info) { return info.param.name; });
+                         kName);
 
 TEST(KukaIiwa, CommandsNothingBeforeItIsToMoveAndHoldsItAfterwards) {
   Driven driven;

@@ -117,6 +117,8 @@ struct Driven {
   }
 };
 
+const auto kName = [](const auto& info) { return info.param.name; };
+
 INSTANTIATE_TEST_SUITE_P(Lcm, BaseContract,
                          ::testing::Values(BaseFactory{
                              "Follower",
@@ -124,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Lcm, BaseContract,
                                const auto driven = std::make_shared<Driven>();
                                return BaseRig{&driven->clock, driven->base.get(), driven};
                              }}),
-                         [](const auto& info) { return info.param.name; });
+                         kName);
 
 TEST(LcmBase, RenewsItsGoalForAsLongAsSomebodyAsksHowFarItIs) {
   Driven driven;

@@ -58,6 +58,8 @@ RgbdFrame GrabOne(VideoCamera* camera) {
   return *frame;
 }
 
+const auto kName = [](const auto& info) { return info.param.name; };
+
 INSTANTIATE_TEST_SUITE_P(
     Video, CameraContract,
     ::testing::Values(CameraFactory{
@@ -66,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(
           const auto connected = std::make_shared<Connected>(300);
           return CameraRig{&connected->clock, connected->camera.get(), {}, false, connected};
         }}),
-    [](const auto& info) { return info.param.name; });
+    kName);
 
 TEST(VideoCamera, GivesRgb) {
   Connected connected(100);
