@@ -51,8 +51,8 @@ TEST(HypothesisePoses, AreNoneForAModelThatIsTooSmall) {
   Rng rng(1);
   const SyntheticView scene = DrawView({{&box, Upright(0.0, 0.0, 0.1)}}, -1.5708, true, &rng);
   const world::Cluster& cluster = scene.clusters[0];
-  EXPECT_TRUE(HypothesisePoses(cube, scene.view, 0, cluster,
-                               OrientCluster(scene.view, 0, cluster), kGuesses)
+  EXPECT_TRUE(HypothesisePoses(cube, scene.view, 0, cluster, OrientCluster(scene.view, 0, cluster),
+                               kGuesses)
                   .empty());
 }
 
