@@ -15,11 +15,6 @@ using geometry::OrientedPoint;
 
 constexpr int kRoughPoints = 150;
 constexpr int kFinePoints = 300;
-constexpr double kInFront = 0.02;  // of what hides something [m]
-constexpr double kApart = 0.015;   // so far a pose has to move to be another guess [m]
-/// What is hidden depends on where the model stands, which takes a few steps to settle.
-constexpr int kMostShifts = 6;
-constexpr double kStill = 0.003;  // [m]
 
 /// The largest distance between two points of the cluster along a few directions [m], from below:
 /// no model of a smaller diameter can have made it.
@@ -47,23 +42,6 @@ double ExtentOf(const std::vector<OrientedPoint>& surface) {
   return extent;
 }
 
-/// The mean, by the pixels they cover, of the model's points that face the camera at X_CM and that
-/// `counts` [m, C]; its centre when there are none.
-template <class Counts>
-Eigen::Vector3d MeanFacing(const RecognitionModel& model, const Pose& X_CM, const Counts& counts) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double weights = 0.0;
-  for (int i = 0; i < kRoughPoints; ++i) {
-    const ModelPoint& point = model.points[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d p = X_CM * point.point.cast<double>();
-    const double cosine = -(X_CM.linear() * point.normal.cast<double>()).dot(p) / p.norm();
-    if (cosine <= 0.1 || !counts(p)) continue;
-    sum += cosine * p;
-    weights += cosine;
-  }
-  return weights > 0.0 ? Eigen::Vector3d(sum / weights) : X_CM * model.center_M;
-}
-
 /// The model resting on `down_M`, turned by `yaw` about the plane's normal, its visible surface
 /// centred on the cluster's.
 Pose RestAt(const RecognitionModel& model, const Eigen::Vector3d& down_M, double yaw,
@@ -84,46 +62,16 @@ Pose RestAt(const RecognitionModel& model, const Eigen::Vector3d& down_M, double
   return X_CM;
 }
 
-/// True when something else stands in front of `p`, or `p` is out of the picture.
-bool IsHidden(const Eigen::Vector3d& p, const View& view, int label) {
-  const auto pixel = view.camera.Project(p);
-  if (!pixel) return true;
-  const auto x = static_cast<int>(pixel->x() + 0.5);
-  const auto y = static_cast<int>(pixel->y() + 0.5);
-  if (x >= view.depth.cols || y >= view.depth.rows) return true;
-  return view.labels.at<int>(y, x) != label &&
-         view.depth.at<float>(y, x) < p.z() - kInFront;  // false for NaN
-}
-
-/// X_CM slid along the support plane to where the mean of what shows of the model, what stands in
-/// front of it left out, is that of the cluster: so a part of it may go on behind that.
-Pose SlidBehind(const RecognitionModel& model, Pose X_CM, const View& view, int label,
-                const world::SupportPlane& plane_C, const Eigen::Vector3d& center_C) {
-  for (int i = 0; i < kMostShifts; ++i) {
-    Eigen::Vector3d shift = center_C - MeanFacing(model, X_CM, [&](const Eigen::Vector3d& p) {
-                              return !IsHidden(p, view, label);
-                            });
-    shift -= shift.dot(plane_C.normal_A) * plane_C.normal_A;
-    X_CM.translation() += shift;
-    if (shift.norm() < kStill) break;
-  }
-  return X_CM;
-}
-
-void AddResting(const RecognitionModel& model, const View& view, int label,
-                const Eigen::Vector3d& center_C, std::vector<Pose>* poses) {
+void AddResting(const RecognitionModel& model, const View& view, const Eigen::Vector3d& center_C,
+                std::vector<Pose>* poses) {
   constexpr int kYaws = 24;
-  const world::SupportPlane& plane_C = view.PlaneUnder(center_C);
   for (const Eigen::Vector3d& down_M : model.resting_M) {
     const bool turns =
         model.symmetry.axis && std::abs(model.symmetry.axis->direction.dot(down_M)) > 0.99;
     const int yaws = turns ? 1 : kYaws;
     for (int k = 0; k < yaws; ++k) {
-      const Pose X_CM =
-          RestAt(model, down_M, 2.0 * std::numbers::pi * k / kYaws, plane_C, center_C);
-      poses->push_back(X_CM);
-      const Pose X_slid = SlidBehind(model, X_CM, view, label, plane_C, center_C);
-      if ((X_slid.translation() - X_CM.translation()).norm() > kApart) poses->push_back(X_slid);
+      poses->push_back(RestAt(model, down_M, 2.0 * std::numbers::pi * k / kYaws,
+                              view.PlaneUnder(center_C), center_C));
     }
   }
 }
@@ -203,7 +151,17 @@ std::vector<OrientedPoint> OrientCluster(const View& view, int label,
 }
 
 Eigen::Vector3d VisibleMean(const RecognitionModel& model, const Pose& X_CM) {
-  return MeanFacing(model, X_CM, [](const Eigen::Vector3d&) { return true; });
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double weights = 0.0;
+  for (int i = 0; i < kRoughPoints; ++i) {
+    const ModelPoint& point = model.points[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d p = X_CM * point.point.cast<double>();
+    const double cosine = -(X_CM.linear() * point.normal.cast<double>()).dot(p) / p.norm();
+    if (cosine <= 0.1) continue;
+    sum += cosine * p;
+    weights += cosine;
+  }
+  return weights > 0.0 ? Eigen::Vector3d(sum / weights) : X_CM * model.center_M;
 }
 
 std::vector<PoseGuess> HypothesisePoses(const RecognitionModel& model, const View& view, int label,
@@ -212,7 +170,7 @@ std::vector<PoseGuess> HypothesisePoses(const RecognitionModel& model, const Vie
   if (surface_C.size() < 10) return {};
   if (ExtentOf(surface_C) > 1.1 * model.diameter + 0.015) return {};
   std::vector<Pose> poses;
-  AddResting(model, view, label, cluster.center_C, &poses);
+  AddResting(model, view, cluster.center_C, &poses);
   AddVoted(model, surface_C, &poses);
 
   const auto pixels = static_cast<int>(cluster.pixels.size());

@@ -24,10 +24,9 @@ Eigen::Vector3d VisibleMean(const RecognitionModel& model, const Pose& X_CM);
 
 /// The poses at which `model` may have made the cluster: from the votes of point pairs (any pose),
 /// and from the ways it rests on the support plane, turned about the plane's normal and put where
-/// the cluster is, also so that a part of it goes on behind what stands in front. Each is aligned
-/// with the measurements by the model's points; the best `count` distinct ones (up to the symmetry
-/// of shape) are returned, best first. Empty when the model is too small to be the cluster, or fits
-/// nowhere.
+/// the cluster is. Each is aligned with the measurements by the model's points; the best `count`
+/// distinct ones (up to the symmetry of shape) are returned, best first. Empty when the model is
+/// too small to be the cluster, or fits nowhere.
 std::vector<PoseGuess> HypothesisePoses(const RecognitionModel& model, const View& view, int label,
                                         const world::Cluster& cluster,
                                         const std::vector<geometry::OrientedPoint>& surface_C,

@@ -23,9 +23,6 @@ using geometry::PixelRect;
 constexpr double kModelError = 0.004;
 constexpr double kWidthError = 0.03;
 
-/// Log-odds against a thing that stands on nothing that is seen: hardly one in fifty does.
-constexpr double kUnsupported = 4.0;
-
 /// Of a pixel of the window.
 enum class Seen : std::uint8_t {
   kNothing,     ///< No surface, or its rim.
@@ -193,7 +190,7 @@ std::string ReasonAgainst(const world::Verification& v, double inner, double exp
   if (v.quality < config.min_quality) {
     return fmt::format("q_h = {:.2f} (at least {:.2f})", v.quality, config.min_quality);
   }
-  if (v.unsupported) {
+  if (lowest > config.max_gap_m || lowest < -config.max_sink_m) {
     return fmt::format("its lowest point is {:.0f} mm above the support plane ({:.0f} to {:.0f})",
                        1000 * lowest, -1000 * config.max_sink_m, 1000 * config.max_gap_m);
   }
@@ -289,10 +286,10 @@ world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, cons
   const auto silhouette = static_cast<double>(
       std::count_if(rasteriser->triangle().begin(), rasteriser->triangle().end(),
                     [](int triangle) { return triangle >= 0; }));
-  const double lowest = LowestHeight(model, X_CM, view.PlaneUnder(X_CM * model.center_M));
-  result.unsupported = lowest > config.max_gap_m || lowest < -config.max_sink_m;
-  result.reason = ReasonAgainst(result, result.rendered / std::max(1.0, silhouette), explained,
-                                1.0 * unmeasured / std::max(1, result.rendered), lowest, config);
+  result.reason =
+      ReasonAgainst(result, result.rendered / std::max(1.0, silhouette), explained,
+                    1.0 * unmeasured / std::max(1, result.rendered),
+                    LowestHeight(model, X_CM, view.PlaneUnder(X_CM * model.center_M)), config);
   result.accepted = result.reason.empty();
   *score = ScoreOf(result, explained);
   return result;
@@ -326,7 +323,6 @@ double ScoreOf(const world::Verification& v, double explained) {
     odds += weight * (v.color_agreement - 0.45);
   }
   if (!v.accepted) odds -= 2.0;
-  if (v.unsupported) odds -= kUnsupported;
   return 1.0 / (1.0 + std::exp(-odds));
 }
 

@@ -60,12 +60,12 @@ world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, cons
 int InnerPixels(const View& view, int label, const world::Cluster& cluster);
 
 /// Probability-like support, in [0, 1], that model and pose are right: the logistic function of
-/// 14 (m - 0.85) + 8 (e - 0.85) - 12 t + w (c - 0.45), less 2 where a check failed and 4 more where
-/// nothing carries it (so good a fit it may be, it is no rival of what stands), with the shares of
-/// the visible pixels that match (m) and that are seen through (t), the explained share of the
-/// cluster (e) and the agreement of the colours (c; without colour that term is left out). The
-/// weight w grows with the matching pixels, from 25 to 45: a small difference in a large print
-/// decides, one in a few pixels does not.
+/// 14 (m - 0.85) + 8 (e - 0.85) - 12 t + w (c - 0.45), less 2
+/// where a check failed, with the shares of the visible pixels that
+/// match (m) and that are seen through (t), the explained share of the cluster (e) and the
+/// agreement of the colours (c; without colour that term is left out). The weight w grows with the
+/// matching pixels, from 25 to 45: a small difference in a large print decides, one in a few pixels
+/// does not.
 double ScoreOf(const world::Verification& verification, double explained);
 
 /// The log-odds of a score; finite for 0 and 1, too.

@@ -17,7 +17,6 @@ struct Verification {
   double quality{};   ///< q_h (Eq. 5), in [0, 1].
   double visible_fraction{};  ///< visible / rendered, in [0, 1].
   double color_agreement{};   ///< Of the matching pixels' colours, in [0, 1]; NaN without colour.
-  bool unsupported{};         ///< It would hang above its support plane, or stand in it.
   bool accepted{};            ///< Passed every check.
   std::string reason;         ///< Which check failed, with values; empty when accepted.
 };
