@@ -174,12 +174,6 @@ std::optional<Eigen::Vector2d> Shading(const cv::Mat& gray, const Normals& norma
   return products.ldlt().solve(sums).head<2>();
 }
 
-/// Where the views of a tile look from, in the image (x right, y down), of length 1.
-Eigen::Vector2d Direction(Tile tile) {
-  const cv::Rect rect = TileRect({3, 3}, tile);
-  return Eigen::Vector2d(rect.x - 1, rect.y - 1).normalized();
-}
-
 void Check(const ObjectCrop& crop, const TileClassification* classification) {
   if (crop.color.empty() || crop.color.type() != CV_8UC3) {
     Throw<InvalidArgument>("a crop of {} x {} pixels of type {}: an RGB image of 8 bits is needed",
@@ -223,6 +217,11 @@ cv::Rect TileRect(cv::Size size, Tile tile) {
   const int index = static_cast<int>(tile);
   const int cell = index < 4 ? index : index + 1;  // the middle one is no Tile
   return CellRect(size, cell / 3, cell % 3);
+}
+
+Eigen::Vector2d TileDirection(Tile tile) {
+  const cv::Rect rect = TileRect({3, 3}, tile);
+  return Eigen::Vector2d(rect.x - 1, rect.y - 1).normalized();
 }
 
 cv::Mat DepthForeground(const cv::Mat& depth) {
@@ -281,7 +280,7 @@ std::vector<ScoredTile> ScoreTiles(const ObjectCrop& crop, const TileClassificat
       scored.foreground = cv::countNonZero(foreground(rect)) / static_cast<double>(rect.area());
       score(Criterion::kParallelism) = Parallelism(depth, foreground, rect);
       score(Criterion::kMetricParallelism) = MetricParallelism(normals, rect, config.max_slant_deg);
-      if (shading) score(Criterion::kLight) = shading->dot(Direction(scored.tile));
+      if (shading) score(Criterion::kLight) = shading->dot(TileDirection(scored.tile));
       if (scored.foreground < config.min_foreground) {
         scored.refusal =
             fmt::format("shows none of the object: {:.0f} % of its pixels, {:.0f} % needed",

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
 namespace secondlook::planning {
@@ -20,6 +21,10 @@ const char* TileName(Tile tile);
 /// The pixels of `tile` in an image of `size`. The nine tiles are disjoint and cover the image; one
 /// of an image less than 3 pixels wide or high may be empty.
 cv::Rect TileRect(cv::Size size, Tile tile);
+
+/// Where the views of `tile` look from, seen from the middle of the image (x right, y down), of
+/// length 1.
+Eigen::Vector2d TileDirection(Tile tile);
 
 /// What speaks for looking from the side of a tile; more is better for each.
 enum class Criterion {
