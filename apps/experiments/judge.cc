@@ -4,9 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "lib/common/error.h"
 #include "lib/geometry/mesh.h"
 #include "lib/perception/symmetry.h"
-#include "sim/ground_truth.h"
+#include "sim/world.h"
 
 namespace secondlook::apps {
 namespace {
@@ -21,7 +22,7 @@ constexpr double kSameThing_m = 0.08;
 class Court {
  public:
   Court(const Mission& mission, const sim::World& world, const JudgeConfig& config)
-      : mission_(mission), truth_(world), config_(config) {
+      : mission_(mission), world_(world), config_(config) {
     table_height_ = world.scene().table.height;
   }
 
@@ -30,7 +31,7 @@ class Court {
     std::vector<char> taken(mission_.belief().objects.size(), 0);
     const std::vector<const ObjectBelief*> about = Matches();
     for (std::size_t i = 0; i < about.size(); ++i) {
-      const sim::PlacedObject& thing = truth_.objects()[i];
+      const sim::PlacedObject& thing = world_.objects()[i];
       if (thing.role == sim::Role::kObstacle) continue;
       if (about[i] != nullptr) taken[about[i]->id] = 1;
       verdicts.push_back(AboutThing(thing, about[i]));
@@ -47,11 +48,30 @@ class Court {
   }
 
  private:
+  /// Where the camera truly was. Those on the head and in the hand count their frames by
+  /// themselves; the right one is the one that was about where it was believed to be.
+  Pose TruePoseOf(const world::Observation& view) const {
+    const Pose* nearest = nullptr;
+    for (const auto* views : {&world_.views(), &world_.hand_views()}) {
+      for (const sim::TrueView& v : *views) {
+        if (v.sequence != view.frame.sequence) continue;
+        const auto off = [&](const Pose& X_WC) {
+          return (X_WC.translation() - view.X_WC.translation()).norm();
+        };
+        if (nearest == nullptr || off(v.X_WC) < off(*nearest)) nearest = &v.X_WC;
+      }
+    }
+    if (nearest == nullptr) {
+      Throw<InvalidArgument>("frame {} was never grabbed", view.frame.sequence);
+    }
+    return *nearest;
+  }
+
   /// Where the centre of the object is believed to be, in the true W: seen through the true pose of
   /// a camera that saw it, so that the error of the robot's localisation does not count.
   Eigen::Vector3d TrueCenterOf(const ObjectBelief& object, const sim::PlacedObject& thing) const {
     const world::Observation& view = mission_.belief().views[object.sightings.back().view];
-    const Pose X_TrueW = truth_.ViewOf(view.frame.sequence).X_WC * view.X_WC.inverse();
+    const Pose X_TrueW = TruePoseOf(view) * view.X_WC.inverse();
     const bool posed = object.state == ObjectState::kVerified && object.Best()->model == thing.name;
     return X_TrueW * (posed ? object.Best()->X_WM * geometry::Bounds(thing.mesh).center()
                             : object.extent_W.center());
@@ -65,8 +85,8 @@ class Court {
       const ObjectBelief* object;
     };
     std::vector<Pair> pairs;
-    for (std::size_t i = 0; i < truth_.objects().size(); ++i) {
-      const sim::PlacedObject& thing = truth_.objects()[i];
+    for (std::size_t i = 0; i < world_.objects().size(); ++i) {
+      const sim::PlacedObject& thing = world_.objects()[i];
       if (thing.role == sim::Role::kObstacle) continue;
       const Eigen::Vector3d center_W = thing.X_WM * geometry::Bounds(thing.mesh).center();
       for (const ObjectBelief& object : mission_.belief().objects) {
@@ -80,7 +100,7 @@ class Court {
     }
     std::stable_sort(pairs.begin(), pairs.end(),
                      [](const Pair& a, const Pair& b) { return a.cost < b.cost; });
-    std::vector<const ObjectBelief*> about(truth_.objects().size(), nullptr);
+    std::vector<const ObjectBelief*> about(world_.objects().size(), nullptr);
     std::vector<char> taken(mission_.belief().objects.size(), 0);
     for (const Pair& pair : pairs) {
       if (about[pair.thing] != nullptr || taken[pair.object->id]) continue;
@@ -112,7 +132,7 @@ class Court {
     const perception::Symmetry symmetry = perception::FindSymmetry(thing.mesh);
     const Eigen::Vector3d center_M = geometry::Bounds(thing.mesh).center();
     const world::Observation& view = mission_.belief().views[object.Best()->BestView()->view];
-    const Pose X_CM_true = truth_.ViewOf(view.frame.sequence).X_WC.inverse() * thing.X_WM;
+    const Pose X_CM_true = TruePoseOf(view).inverse() * thing.X_WM;
     const Pose X_CM = view.X_WC.inverse() * object.Best()->X_WM;
     const perception::PoseDistance error =
         perception::DistanceUpToSymmetry(X_CM_true, X_CM, symmetry, center_M, true);
@@ -138,7 +158,7 @@ class Court {
   }
 
   const Mission& mission_;
-  sim::GroundTruth truth_;
+  const sim::World& world_;
   JudgeConfig config_;
   double table_height_{};
 };

@@ -169,7 +169,7 @@ TEST_F(BadInput, NamesARobotThatCannotMoveOrArm) {
          "could pass through something");
   const std::string arm = "robot.arm={urdf: sim/robots/arm.urdf";
   Expect(Run({"--set", arm + ", home_deg: [0, 90, 0, 0, 0, 0, 0]}"}), 2,
-         "arm 'arm': where it stands at the beginning it reaches 1.");
+         "arm 'arm': where it stands at the beginning it reaches 0.94 m from the base's axis");
 }
 
 TEST_F(BadInput, NamesACameraThatDeliversNoDepthNothingOrIsLost) {

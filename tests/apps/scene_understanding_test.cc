@@ -43,7 +43,7 @@ class Table {
     const double azimuth = azimuth_deg * 3.14159265 / 180.0;
     const Vector3d eye(0.85 * std::cos(azimuth), 0.85 * std::sin(azimuth), 1.3);
     const Photo photo = camera_.Take(LookAt(eye, {0.0, 0.0, 0.8}));
-    return {photo.frame, camera_.info().model, photo.X_WC, Vector3d(0.0, 0.0, -eye.z())};
+    return {"head", photo.frame, camera_.info().model, photo.X_WC, Vector3d(0.0, 0.0, -eye.z())};
   }
 
   Vector3d CenterOf(int index) const {

@@ -65,7 +65,7 @@ TEST(ArmWay, IsForgottenOnceItWasGoneBack) {
   // The next way back is that of the next motion alone.
   const Vector2d other(0.0, 1.0);
   way.Follow(StopAndGo({kHome, other}, kJoints), other);
-  EXPECT_EQ(StopsOf(way.Back(other, kJoints)).size(), 3U);  // home twice, where it was measured
+  EXPECT_EQ(StopsOf(way.Back(other, kJoints)).size(), 2U);
 }
 
 }  // namespace

@@ -30,12 +30,19 @@ Time FromNanoseconds(std::int64_t ns) { return Time(Duration(ns)); }
 
 Pose2 ToPose2(const double list[3]) { return {list[0], list[1], list[2]}; }
 
+/// LCM's decoders write doubles through pointers to integers. Out of the compiler's sight, so that
+/// it does not take the doubles for what they were before.
+template <class T>
+[[gnu::noipa]] void DecodeInto(const std::vector<std::uint8_t>& bytes, T* body) {
+  body->decode(bytes.data(), 0, static_cast<int>(bytes.size()));
+}
+
 /// @throws ProtocolError for bytes that are no T.
 template <class T>
 T Decode(const transport::LogEvent& event) {
   transport::Check(event.bytes, transport::TypeOn(event.channel));
   T body{};
-  body.decode(event.bytes.data(), 0, static_cast<int>(event.bytes.size()));
+  DecodeInto(event.bytes, &body);
   return body;
 }
 
