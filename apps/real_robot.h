@@ -46,9 +46,9 @@ struct RealConfig {
   std::variant<hal::OpenNi2Config, hal::LcmCameraConfig> camera;  ///< On the head.
   std::variant<hal::FlirPtuConfig, hal::FixedHeadConfig> pan_tilt;
   std::variant<hal::FixedBaseConfig, hal::LcmBaseConfig> base;
-  std::optional<RealArmConfig> arm;  ///< None: it has no arm.
-  std::string calibration;                              ///< The calibration file; required.
-  std::string lcm_url{transport::kDefaultLcmUrl};       ///< Of the devices that are behind LCM.
+  std::optional<RealArmConfig> arm;                ///< None: it has no arm.
+  std::string calibration;                         ///< The calibration file; required.
+  std::string lcm_url{transport::kDefaultLcmUrl};  ///< Of the devices that are behind LCM.
   /// Devices on other hosts may be spoken with, which lets everybody there command the base.
   bool beyond_this_host{false};
 

@@ -54,8 +54,7 @@ class BoardWatcher {
     robot_->clock->SleepUntil(still);
     const hal::RgbdFrame frame = Grab(still);
     const hal::PanTiltAngles at = robot_->head->State().angles;
-    const auto seen =
-        perception::FindBoard(frame.color, robot_->head_camera->info().model, board_);
+    const auto seen = perception::FindBoard(frame.color, robot_->head_camera->info().model, board_);
     if (!seen) return std::nullopt;
     return kinematics::BoardView{{at.pan, at.tilt}, seen->corners, seen->points_P, seen->X_CP};
   }
@@ -117,8 +116,8 @@ hal::PanTiltAngles FindMiddle(const kinematics::HeadCalibration& nominal, hal::R
                               BoardWatcher* watcher) {
   const hal::PanTiltAngles now = robot->head->State().angles;
   std::vector<hal::PanTiltAngles> places{now};
-  for (const auto& place : Grid(robot->head->info(), {0.0, 25.0 * kDegree}, 30.0 * kDegree, 3,
-                                25.0 * kDegree, 1)) {
+  for (const auto& place :
+       Grid(robot->head->info(), {0.0, 25.0 * kDegree}, 30.0 * kDegree, 3, 25.0 * kDegree, 1)) {
     places.push_back(place);
   }
   for (const hal::PanTiltAngles& place : places) {
@@ -209,8 +208,9 @@ void AddCalibrate(CLI::App* app, int* status) {
       ->capture_default_str();
   calibrate->add_option("--marker", options->board.marker, "Side of a marker [m]")
       ->capture_default_str();
-  calibrate->add_option("--encoder-sigma-deg", options->encoder_sigma_deg,
-                        "By which the head's angles err")
+  calibrate
+      ->add_option("--encoder-sigma-deg", options->encoder_sigma_deg,
+                   "By which the head's angles err")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 5.0));
   calibrate->add_option("--board-image", options->board_image,

@@ -167,10 +167,9 @@ void RequireSpread(const std::vector<BoardView>& views) {
         views.size(), kMinViews);
   }
   const auto spread = [&](double HeadAngles::*angle) {
-    const auto [least, most] =
-        std::minmax_element(views.begin(), views.end(), [&](const auto& a, const auto& b) {
-          return a.head.*angle < b.head.*angle;
-        });
+    const auto [least, most] = std::minmax_element(
+        views.begin(), views.end(),
+        [&](const auto& a, const auto& b) { return a.head.*angle < b.head.*angle; });
     return most->head.*angle - least->head.*angle;
   };
   const double pan = spread(&HeadAngles::pan);
@@ -191,9 +190,8 @@ Calibration CalibrateHead(const std::vector<BoardView>& views, const geometry::C
   RequireSpread(views);
   const Problem problem(views, camera, encoder_sigma);
   const Pose X_H0C = CameraInBase({Pose::Identity(), nominal.X_HC}, views.front().head);
-  const Estimate estimate =
-      Minimise(problem, {nominal.X_HC, X_H0C * views.front().X_CP,
-                         std::vector<HeadAngles>(views.size())});
+  const Estimate estimate = Minimise(
+      problem, {nominal.X_HC, X_H0C * views.front().X_CP, std::vector<HeadAngles>(views.size())});
   const double pixels = problem.Pixels(estimate);
   if (!(pixels <= kMaxPixels)) {
     Throw<InvalidArgument>(

@@ -75,8 +75,8 @@ Calibration LoadCalibration(const std::filesystem::path& file) {
 }
 
 void SaveCalibration(const Calibration& calibration, const std::filesystem::path& file) {
-  FileText text{ToText(calibration.head.X_BH0), ToText(calibration.head.X_HC), {},
-                calibration.residuals};
+  FileText text{
+      ToText(calibration.head.X_BH0), ToText(calibration.head.X_HC), {}, calibration.residuals};
   if (calibration.X_EC) text.X_EC = ToText(*calibration.X_EC);
   WriteFile(file, ToYaml(text));
 }

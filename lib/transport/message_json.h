@@ -27,8 +27,8 @@ void Check(std::span<const std::uint8_t> bytes, std::string_view type,
 struct Limits {
   std::size_t bytes = 100'000;      ///< In all.
   std::int64_t values = 1'000;      ///< In one list.
-  std::int64_t data = 1'000;        ///< Bytes in one `byte` array, e.g. of an image.
   std::int64_t characters = 1'000;  ///< In one text.
+  std::int64_t data = 1'000;        ///< Bytes in one `byte` array, e.g. of an image.
 };
 
 /// Checks what comes from outside: Throws as ToJson() does, and for a message that goes over

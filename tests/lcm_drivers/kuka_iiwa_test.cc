@@ -206,6 +206,13 @@ TEST(KukaIiwa, RefusesTheStatusOfAnotherArm) {
                 "a status of 1 joints, and it has 7: is it another arm's?");
 }
 
+TEST(KukaIiwa, HasTheMessagesOfDrake) {
+  // The fingerprints of the Python package drake 1.51.
+  const transport::Schema& ours = transport::Schema::Messages();
+  EXPECT_EQ(ours.Fingerprint("drake.lcmt_iiwa_command"), 0xddc7c7738c815334U);
+  EXPECT_EQ(ours.Fingerprint("drake.lcmt_iiwa_status"), 0xf16fb804284abca3U);
+}
+
 TEST(KukaIiwaConfig, RefusesValuesOutOfRange) {
   KukaIiwaConfig config;
   config.limit_deg.pop_back();

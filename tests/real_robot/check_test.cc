@@ -28,9 +28,8 @@ using testing::RunProgram;
 /// Puts this process and those it starts into a network of their own, once. False where that is not
 /// allowed.
 bool HasOwnNetwork() {
-  static const bool own =
-      unshare(CLONE_NEWNET) == 0 &&
-      std::system("ip link set lo up && ip route add 224.0.0.0/4 dev lo") == 0;
+  static const bool own = unshare(CLONE_NEWNET) == 0 &&
+                          std::system("ip link set lo up && ip route add 224.0.0.0/4 dev lo") == 0;
   return own;
 }
 
@@ -76,8 +75,8 @@ TEST_F(CheckRealRobot, TellsOfEachDeviceWhatItIsLike) {
 
 TEST_F(CheckRealRobot, GoesOnAfterADeviceThatDoesNotAnswer) {
   robot_->SetCameraSilent(true);
-  const ProgramResult result = Check(
-      {"robot.camera.patience_seconds=0.3", "robot.pan_tilt.device=/dev/ttyNone"});
+  const ProgramResult result =
+      Check({"robot.camera.patience_seconds=0.3", "robot.pan_tilt.device=/dev/ttyNone"});
   EXPECT_EQ(result.status, 3) << result.out;
   EXPECT_THAT(result.out, ContainsRegex("WRONG +camera +camera 'head': nothing came on channel"));
   EXPECT_THAT(result.out, ContainsRegex("WRONG +pan-tilt +/dev/ttyNone: cannot be opened"));

@@ -59,9 +59,10 @@ RealConfig EmulatedRobot::Config(const std::string& lcm_url) const {
 std::uint64_t EmulatedRobot::SequenceAt(Time time) const {
   const std::scoped_lock lock(mutex_);
   // Messages have microseconds.
-  const auto found = std::min_element(sent_.begin(), sent_.end(), [&](const auto& a, const auto& b) {
-    return std::chrono::abs(a.first - time) < std::chrono::abs(b.first - time);
-  });
+  const auto found =
+      std::min_element(sent_.begin(), sent_.end(), [&](const auto& a, const auto& b) {
+        return std::chrono::abs(a.first - time) < std::chrono::abs(b.first - time);
+      });
   return found == sent_.end() ? 0 : found->second;
 }
 

@@ -1,6 +1,6 @@
 // The default mission with the drivers of real devices, all at once, each speaking with an emulator
-// that the simulated world feeds. It takes as long as such a mission takes, minutes, so it runs only
-// where SECONDLOOK_WALL_TIME says how many.
+// that the simulated world feeds. It takes as long as such a mission takes, minutes, so it runs
+// only where SECONDLOOK_WALL_TIME says how many.
 
 #include <cstdlib>
 #include <memory>
