@@ -19,9 +19,10 @@ set(SECONDLOOK_PRECOMPILED_TEST ${CMAKE_SOURCE_DIR}/cmake/precompiled_test.h)
 
 add_library(secondlook_options INTERFACE)
 target_include_directories(secondlook_options INTERFACE ${CMAKE_SOURCE_DIR})
-target_compile_options(secondlook_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow
-                                                    -Wno-unknown-pragmas -Winvalid-pch
-                                                    -fpch-preprocess)
+# LCM's decoders write doubles through pointers to integers; what reads them must expect it.
+target_compile_options(secondlook_options INTERFACE -fno-strict-aliasing -Wall -Wextra
+                                                    -Wpedantic -Wshadow -Wno-unknown-pragmas
+                                                    -Winvalid-pch -fpch-preprocess)
 if(SECONDLOOK_WERROR)
   target_compile_options(secondlook_options INTERFACE -Werror)
 endif()

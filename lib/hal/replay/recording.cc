@@ -30,19 +30,12 @@ Time FromNanoseconds(std::int64_t ns) { return Time(Duration(ns)); }
 
 Pose2 ToPose2(const double list[3]) { return {list[0], list[1], list[2]}; }
 
-/// LCM's decoders write doubles through pointers to integers. Out of the compiler's sight, so that
-/// it does not take the doubles for what they were before.
-template <class T>
-[[gnu::noipa]] void DecodeInto(const std::vector<std::uint8_t>& bytes, T* body) {
-  body->decode(bytes.data(), 0, static_cast<int>(bytes.size()));
-}
-
 /// @throws ProtocolError for bytes that are no T.
 template <class T>
 T Decode(const transport::LogEvent& event) {
   transport::Check(event.bytes, transport::TypeOn(event.channel));
   T body{};
-  DecodeInto(event.bytes, &body);
+  body.decode(event.bytes.data(), 0, static_cast<int>(event.bytes.size()));
   return body;
 }
 
