@@ -10,6 +10,8 @@ namespace secondlook::perception {
 namespace {
 
 constexpr int kMinCorners = 8;
+/// Farther from where the others want it, a corner is something else.
+constexpr double kMaxCornerError_px = 1.0;
 
 cv::Ptr<cv::aruco::CharucoBoard> Make(const Board& board) {
   board.Validate();
@@ -20,6 +22,13 @@ cv::Ptr<cv::aruco::CharucoBoard> Make(const Board& board) {
 
 cv::Matx33d MatrixOf(const geometry::CameraModel& camera) {
   return {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};
+}
+
+/// Those of `list` that have a mark; all when there are no marks.
+template <class T>
+void KeepOnly(const std::vector<unsigned char>& marks, std::vector<T>* list) {
+  std::size_t i = 0;
+  std::erase_if(*list, [&](const T&) { return !marks.empty() && marks[i++] == 0; });
 }
 
 Pose PoseOf(const cv::Vec3d& rotation, const cv::Vec3d& translation) {
@@ -55,12 +64,21 @@ std::optional<SeenBoard> FindBoard(const cv::Mat& color, const geometry::CameraM
   // OpenCV 4.6 leaves them half a pixel to the right and below of where they are.
   const cv::TermCriteria done(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 100, 1e-3);
   cv::cornerSubPix(gray, corners, {3, 3}, {-1, -1}, done);
-  SeenBoard seen;
   std::vector<cv::Point3f> points;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    const cv::Point3f& p = charuco->chessboardCorners[static_cast<std::size_t>(ids[i])];
-    points.push_back(p);
-    seen.points_P.emplace_back(p.x, p.y, p.z);
+  std::vector<cv::Point2f> points_P;
+  for (const int id : ids) {
+    points.push_back(charuco->chessboardCorners[static_cast<std::size_t>(id)]);
+    points_P.emplace_back(points.back().x, points.back().y);
+  }
+  // A corner may have been drawn to an edge nearby: on one plane, the others tell.
+  std::vector<unsigned char> fits;
+  cv::findHomography(points_P, corners, cv::RANSAC, kMaxCornerError_px, fits);
+  KeepOnly(fits, &points);
+  KeepOnly(fits, &corners);
+  if (std::ssize(corners) < kMinCorners) return std::nullopt;
+  SeenBoard seen;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    seen.points_P.emplace_back(points[i].x, points[i].y, points[i].z);
     seen.corners.emplace_back(corners[i].x, corners[i].y);
   }
   cv::Vec3d rotation;
@@ -69,6 +87,7 @@ std::optional<SeenBoard> FindBoard(const cv::Mat& color, const geometry::CameraM
                     cv::SOLVEPNP_IPPE)) {
     return std::nullopt;
   }
+  cv::solvePnPRefineLM(points, corners, matrix, cv::noArray(), rotation, translation);
   seen.X_CP = PoseOf(rotation, translation);
   return seen;
 }

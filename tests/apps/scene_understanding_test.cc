@@ -233,7 +233,7 @@ TEST(SceneUnderstanding, RegistersAViewFromBehindByWhatItRecognises) {
     const double azimuth = azimuth_deg * 3.14159265 / 180.0;
     const Vector3d eye(1.1 * std::cos(azimuth), 1.1 * std::sin(azimuth), 1.15);
     const Photo photo = camera.Take(LookAt(eye, {0.0, 0.0, 1.0}));
-    return Capture{photo.frame, camera.info().model, error * photo.X_WC,
+    return Capture{"camera", photo.frame, camera.info().model, error * photo.X_WC,
                    Vector3d(0.0, 0.0, -eye.z())};
   };
   ASSERT_EQ(understanding.Add(capture(0.0, Pose::Identity())), "");
