@@ -104,7 +104,8 @@ TEST_P(CameraContract, KeptFramesAreNotOverwritten) {
   const cv::Mat depth = kept.depth.clone();
   for (int i = 0; i < 4; ++i) GrabOne();
   const auto same = [](const cv::Mat& a, const cv::Mat& b) {
-    return a.total() == b.total() && std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
+    if (a.size() != b.size() || a.type() != b.type()) return false;
+    return a.empty() || std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
   };
   EXPECT_TRUE(same(color, kept.color));
   EXPECT_TRUE(same(depth, kept.depth));
