@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lib/geometry/sampling.h"
+#include "lib/perception/plane_extent.h"
 
 namespace secondlook::apps {
 namespace {

@@ -105,8 +105,4 @@ Segmentation Segment(const geometry::PointImage& cloud, const Eigen::Vector3d& u
 /// 3 cm of its height.
 void PutFirst(const world::SupportPlane& known_W, const Pose& X_WC, Segmentation* segmentation);
 
-/// Fits the smallest-area rectangle around points that lie on the plane (`normal_C`, `offset`).
-std::array<Eigen::Vector3d, 4> FitRectangle(const std::vector<Eigen::Vector3d>& points_C,
-                                            const Eigen::Vector3d& normal_C, double offset);
-
 }  // namespace secondlook::perception
