@@ -214,20 +214,21 @@ planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
   target.id = object.id;
   target.box_W = object.extent_W;
   target.none = std::min(fusion::NormalisedIgnorance(object.masses), task.confidence);
-  std::vector<GuidingHypothesis> guiding = LikelyHypotheses(object, conclude_);
-  if (ByLoss()) {
-    const std::vector<GuidingHypothesis> rivals = Rivals(object, guiding, conclude_);
-    guiding.insert(guiding.end(), rivals.begin(), rivals.end());
-  }
-  for (const auto& [hypothesis, probability] : guiding) {
-    const world::PoseHypothesis& h = *hypothesis;
+  const auto add = [&](const GuidingHypothesis& guiding) {
+    const world::PoseHypothesis& h = *guiding.hypothesis;
     const perception::RecognitionModel* model = perception::FindModel(scene.models(), h.model);
     // What keeps an object open although its class is sure enough is doubt as well.
     const double needed = task.ConfidenceFor(h.model);
     target.hypotheses.push_back(
-        {&model->mesh, &CasterOf(*model), h.X_WM, std::min(probability, needed), needed});
-    target.box_W.extend(PlacedBox(model->mesh, h.X_WM));
+        {&model->mesh, &CasterOf(*model), h.X_WM, std::min(guiding.probability, needed), needed});
+  };
+  const std::vector<GuidingHypothesis> likely = LikelyHypotheses(object, conclude_);
+  for (const GuidingHypothesis& guiding : likely) {
+    add(guiding);
+    target.box_W.extend(PlacedBox(*target.hypotheses.back().mesh, guiding.hypothesis->X_WM));
   }
+  // Rivals are told apart where the target is; that they may reach beyond it makes it no larger.
+  if (ByLoss()) std::ranges::for_each(Rivals(object, likely, conclude_), add);
   target.box_W = WithBody(target.box_W);
   for (const world::Sighting& sighting : object.sightings) {
     const Pose& X_WC = scene.belief().views[sighting.view].X_WC;

@@ -53,8 +53,8 @@ TEST(GuidingHypotheses, ShareTheBeliefInAClassByTheLeadsOfItsPoses) {
 TEST(GuidingHypotheses, HoldWhatAViewStruckForPossibleAsFarAsItMayMislead) {
   fusion::ConcludeConfig config;
   config.view_reliability = 0.97;
-  world::ObjectBelief object = Object({Hypothesis("mug", 0.0, 0.99), Hypothesis("jug", 0.0, 0.02),
-                                       Hypothesis("mug", 1.0, 0.01)});
+  world::ObjectBelief object = Object(
+      {Hypothesis("mug", 0.0, 0.99), Hypothesis("jug", 0.0, 0.02), Hypothesis("mug", 1.0, 0.01)});
   ASSERT_TRUE(object.hypotheses[1].struck);
   const std::vector<GuidingHypothesis> likely = LikelyHypotheses(object, config);
   ASSERT_EQ(likely.size(), 1U);
