@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "apps/guiding_hypotheses.h"
 #include "lib/fusion/dempster_shafer.h"
 #include "lib/planning/collision.h"
 #include "lib/planning/cost_map.h"
@@ -18,35 +19,12 @@ using Eigen::Vector3d;
 using world::LookWay;
 using world::ObjectBelief;
 
-/// Hypotheses with less than this share of the best one's support do not guide a look, but for the
-/// best of a class that is believed so much: what must be told from it, though it fits worse …
-constexpr double kMinSupportShare = 0.3;
-constexpr double kMinBelief = 0.01;
-/// … and below this support, no model fits at all.
-constexpr double kMinSupport = 0.15;
-constexpr std::size_t kMaxHypotheses = 4;
 /// Of so many looks, the best for their own sake, it is asked what else they show.
 constexpr std::size_t kLooksBeside = 8;
 /// Cameras no farther apart see the same [m].
 constexpr double kSamePlace = 0.05;
 /// Nothing is thinner than this [m].
 constexpr double kThinnest = 0.005;
-
-/// The probabilities of hypotheses of one object: what is believed of each class, shared among its
-/// poses by how far the views prefer one to the other. What is missing to 1 is left for others.
-std::vector<double> Probabilities(const ObjectBelief& object,
-                                  const std::vector<const world::PoseHypothesis*>& hypotheses,
-                                  const fusion::ConcludeConfig& config) {
-  std::vector<double> shares;
-  for (const world::PoseHypothesis* h : hypotheses) {
-    double odds = 0.0;  // of all poses of its class, against it
-    for (const world::PoseHypothesis* other : hypotheses) {
-      if (other->model == h->model) odds += std::exp(fusion::Lead(config, *other, *h));
-    }
-    shares.push_back(fusion::NormalisedBelief(object.masses, h->model) / odds);
-  }
-  return shares;
-}
 
 /// `box` with edges that a ray can meet: what lies flat may have been measured without any height.
 Eigen::AlignedBox3d WithBody(const Eigen::AlignedBox3d& box) {
@@ -236,30 +214,21 @@ planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
   target.id = object.id;
   target.box_W = object.extent_W;
   target.none = std::min(fusion::NormalisedIgnorance(object.masses), task.confidence);
-  std::vector<const world::PoseHypothesis*> guiding;
-  const world::PoseHypothesis* best = object.Best();
-  for (const world::PoseHypothesis& h : object.hypotheses) {
-    if (best == nullptr || best->support < kMinSupport) break;
-    if (h.struck) continue;
-    const bool another_class =
-        std::none_of(guiding.begin(), guiding.end(),
-                     [&](const world::PoseHypothesis* g) { return g->model == h.model; });
-    const bool rivals =
-        another_class && fusion::NormalisedBelief(object.masses, h.model) >= kMinBelief;
-    if (!rivals && h.support < kMinSupportShare * best->support) continue;
-    if (guiding.size() == kMaxHypotheses) break;
-    guiding.push_back(&h);
-  }
-  const std::vector<double> beliefs = Probabilities(object, guiding, conclude_);
-  for (std::size_t i = 0; i < guiding.size(); ++i) {
-    const world::PoseHypothesis& h = *guiding[i];
+  const auto add = [&](const GuidingHypothesis& guiding) {
+    const world::PoseHypothesis& h = *guiding.hypothesis;
     const perception::RecognitionModel* model = perception::FindModel(scene.models(), h.model);
     // What keeps an object open although its class is sure enough is doubt as well.
     const double needed = task.ConfidenceFor(h.model);
     target.hypotheses.push_back(
-        {&model->mesh, &CasterOf(*model), h.X_WM, std::min(beliefs[i], needed), needed});
-    target.box_W.extend(PlacedBox(model->mesh, h.X_WM));
+        {&model->mesh, &CasterOf(*model), h.X_WM, std::min(guiding.probability, needed), needed});
+  };
+  const std::vector<GuidingHypothesis> likely = LikelyHypotheses(object, conclude_);
+  for (const GuidingHypothesis& guiding : likely) {
+    add(guiding);
+    target.box_W.extend(PlacedBox(*target.hypotheses.back().mesh, guiding.hypothesis->X_WM));
   }
+  // Rivals are told apart where the target is; that they may reach beyond it makes it no larger.
+  if (ByLoss()) std::ranges::for_each(Rivals(object, likely, conclude_), add);
   target.box_W = WithBody(target.box_W);
   for (const world::Sighting& sighting : object.sightings) {
     const Pose& X_WC = scene.belief().views[sighting.view].X_WC;

@@ -317,9 +317,6 @@ Progress Mission::Act(TakenLook taken) {
   const world::Look& look = taken.look;
   spdlog::info("look {} ({}): {}", record_.looks.size() + 1, look.kind, look.reason);
   if (look.kind == "search") ++searched_;
-  if (look.target >= 0 && look.target < std::ssize(belief().objects)) {
-    scene_.CountLook(look.target);
-  }
   const Time begin = robot_->clock->Now();
   publisher_->Doing("moving", look.reason, begin);
   publisher_->Look(look, begin);
@@ -344,6 +341,8 @@ Progress Mission::Act(TakenLook taken) {
   }
   if (outcome.base_failed) {
     planner_.Block(WhatStopped(look, outcome), robot_->clock->Now());
+  } else if (look.target >= 0 && look.target < std::ssize(belief().objects)) {
+    scene_.CountLook(look.target);  // one that was stopped on the way was none for its sake
   }
   record_.looks.push_back(std::move(taken));
   record_.total_seconds = SecondsSince(start_);
