@@ -20,8 +20,8 @@ struct RangeScan {
   std::vector<Eigen::Vector3f> colors;    ///< Of each point, RGB in [0, 1]; or empty.
   std::vector<RangeLine> lines;           ///< Their ends do not decrease; the last is the number
                                           ///< of points.
-  double position_sigma{};  ///< Of the sensor's poses, common to all lines [m], >= 0.
-  double rotation_sigma{};  ///< … and about each axis [rad], >= 0.
+  double position_sigma{};                ///< Of the sensor's poses, common to all lines [m], >= 0.
+  double rotation_sigma{};                ///< … and about each axis [rad], >= 0.
 
   bool empty() const { return points_W.empty(); }
 };
