@@ -88,7 +88,12 @@ class SimStriper::Surroundings {
 SimStriper::SimStriper(World* world, std::uint64_t seed)
     : world_(world),
       seed_(ForkSeed(seed, "striper")),
-      info_{"striper", 640, 14.25 * kRadians, 0.3, 0.6, 1.0 / ToSeconds(StriperDrive::kPeriod),
+      info_{"striper",
+            640,
+            14.25 * kRadians,
+            0.3,
+            0.6,
+            1.0 / ToSeconds(StriperDrive::kPeriod),
             std::max(world->noise().striper_range_sigma, 1e-6)} {}
 
 SimStriper::~SimStriper() { world_->striper()->RequestOff(); }
@@ -117,16 +122,16 @@ std::vector<hal::ScanLine> SimStriper::Take() {
 hal::ScanLine SimStriper::Measure(const Shot& shot) {
   const NoiseConfig& noise = world_->noise();
   Rng rng(Fnv1a(shot.sequence, seed_));
-  const double late = std::clamp(rng.Gaussian(noise.stamp_sigma),
-                                 -kMaxStampSigmas * noise.stamp_sigma,
-                                 kMaxStampSigmas * noise.stamp_sigma);
+  const double late =
+      std::clamp(rng.Gaussian(noise.stamp_sigma), -kMaxStampSigmas * noise.stamp_sigma,
+                 kMaxStampSigmas * noise.stamp_sigma);
   const Time arrival = shot.time + StriperDrive::kPeriod;
   last_time_ = std::clamp(shot.time + Seconds(late), last_time_ + Duration(1),
                           std::max(arrival, last_time_ + Duration(1)));
   std::vector<geometry::Ray> rays_W;
   for (int i = 0; i < info_.points; ++i) {
-    rays_W.push_back({shot.X_WL.translation().cast<float>(),
-                      (shot.X_WL.linear() * info_.Ray(i)).cast<float>()});
+    rays_W.push_back(
+        {shot.X_WL.translation().cast<float>(), (shot.X_WL.linear() * info_.Ray(i)).cast<float>()});
   }
   const double min_cosine = std::cos(noise.striper_max_incidence_deg * kRadians);
   hal::ScanLine line{last_time_, shot.sequence, {}};

@@ -14,13 +14,13 @@ namespace secondlook::hal {
 /// What a laser striper is. Constant for its lifetime. Its frame L: the rays of a line start at the
 /// origin and fan out in the plane of x and z, about z, the first on the side of -x.
 struct StriperInfo {
-  std::string name;         ///< What messages call it.
-  int points{};             ///< Of a line, >= 2.
-  double field_of_view{};   ///< From the first ray to the last [rad], in (0, pi).
-  double min_range{};       ///< Nothing nearer is measured [m], > 0 …
-  double max_range{};       ///< … nor farther.
+  std::string name;           ///< What messages call it.
+  int points{};               ///< Of a line, >= 2.
+  double field_of_view{};     ///< From the first ray to the last [rad], in (0, pi).
+  double min_range{};         ///< Nothing nearer is measured [m], > 0 …
+  double max_range{};         ///< … nor farther.
   double lines_per_second{};  ///< While it is on, > 0.
-  double range_sigma{};     ///< Of a range [m], > 0.
+  double range_sigma{};       ///< Of a range [m], > 0.
 
   /// The unit direction of ray `i`, in L.
   Eigen::Vector3d Ray(int i) const {

@@ -109,8 +109,7 @@ TEST(SimStriper, IsOffByATenthOfAMillimetreAndByItsMounting) {
   EXPECT_NEAR(std::sqrt(squares / count), 1e-4, 3e-6);
 
   noise.hand_eye_sigma = 0.001;
-  const std::vector<hal::ScanLine> lines =
-      Lines(BeforeABoard(0.45, 0.0, noise).get(), 0.1);
+  const std::vector<hal::ScanLine> lines = Lines(BeforeABoard(0.45, 0.0, noise).get(), 0.1);
   double mounting = 0.0;
   for (const float range : lines[0].ranges) mounting += range / 640.0;
   EXPECT_GT(std::abs(mounting - 0.45 * 1.0013), 2e-5);
@@ -165,8 +164,8 @@ TEST(SimStriper, IsCarriedByTheArm) {
                      truth.chain().TipPose(goal) * *simulated->X_EL;
   ASSERT_FALSE(lines.empty());
   for (int i = 0; i < 640; ++i) {
-    const Eigen::Vector3d p = X_LoL * Eigen::Vector3d(lines[0].ranges[i] *
-                                                      simulated->robot.striper->info().Ray(i));
+    const Eigen::Vector3d p =
+        X_LoL * Eigen::Vector3d(lines[0].ranges[i] * simulated->robot.striper->info().Ray(i));
     EXPECT_NEAR(p.z(), 0.45, 2e-5);
   }
 }
