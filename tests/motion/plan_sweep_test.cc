@@ -28,9 +28,9 @@ struct Rig {
 
   PlannedSweep Plan(const SweepGoal& goal, const world::VoxelSpace& space,
                     const SweepConfig& config = {}) const {
-    const ArmCollision collision(arm, Pose::Identity(),
-                                 ObstaclesAround({-0.05, -0.1, 0.7}, ReachOf(arm), space, {},
-                                                 arm.Body(kStart), {}));
+    const ArmCollision collision(
+        arm, Pose::Identity(),
+        ObstaclesAround({-0.05, -0.1, 0.7}, ReachOf(arm), space, {}, arm.Body(kStart), {}));
     return PlanSweep(goal, carrier, collision, 1, config);
   }
 };
@@ -41,8 +41,8 @@ SweepGoal FromAbove(double length_m = 0.2) {
 }
 
 TEST(SweepOver, FacesItsTargetFromTheMiddleOfTheRange) {
-  const SweepGoal goal = SweepOver({1.0, 2.0, 3.0}, {0.0, -2.0, 0.0}, {3.0, 1.0, 0.0}, 0.2,
-                                   Striper());
+  const SweepGoal goal =
+      SweepOver({1.0, 2.0, 3.0}, {0.0, -2.0, 0.0}, {3.0, 1.0, 0.0}, 0.2, Striper());
   EXPECT_TRUE(goal.X_WL.translation().isApprox(Vector3d(1.0, 2.45, 3.0)));
   EXPECT_TRUE(goal.X_WL.linear().col(2).isApprox(-Vector3d::UnitY()));
   EXPECT_TRUE(goal.X_WL.linear().col(1).isApprox(Vector3d::UnitX()));

@@ -104,8 +104,7 @@ class SweepPlanner {
     for (int i = 0; i <= pieces; ++i) {
       const double t = course_.seconds() * i / pieces;
       const auto [along, speed] = course_.At(t);
-      const std::optional<Eigen::VectorXd> next =
-          Corrected(chain(), FlangeAt(line, along), last);
+      const std::optional<Eigen::VectorXd> next = Corrected(chain(), FlangeAt(line, along), last);
       if (!next) {
         return Refused(SweepOutcome::kOffTheLine,
                        fmt::format("the arm is stretched out or folded too far {:.3f} m along the "
@@ -117,7 +116,8 @@ class SweepPlanner {
       const bool at_rest = i == 0 || i == pieces;
       sweep.knots.push_back(
           {t, *next,
-           at_rest ? rest : chain().Jacobian(*next).completeOrthogonalDecomposition().solve(twist)});
+           at_rest ? rest
+                   : chain().Jacobian(*next).completeOrthogonalDecomposition().solve(twist)});
       last = *next;
     }
     if (std::string off = OffTheLine(line, sweep); !off.empty()) {
@@ -128,10 +128,10 @@ class SweepPlanner {
       const Eigen::VectorXd& b = sweep.knots[k].q;
       if (StraightIsFree(collision_, a, b, config_.motion.step_m)) continue;
       const auto touch = collision_.Touches(b);
-      return Refused(SweepOutcome::kInCollision,
-                     fmt::format("{:.3f} m along the sweep the arm touches something: {}",
-                                 course_.At(sweep.knots[k].seconds).first,
-                                 touch.value_or("a little before")));
+      return Refused(
+          SweepOutcome::kInCollision,
+          fmt::format("{:.3f} m along the sweep the arm touches something: {}",
+                      course_.At(sweep.knots[k].seconds).first, touch.value_or("a little before")));
     }
     return {SweepOutcome::kFound, {}, std::move(sweep), ""};
   }
@@ -224,19 +224,18 @@ PlannedSweep PlanSweep(const SweepGoal& goal, const LaserCarrier& carrier,
         goal.length_m, config.speed_m_s * config.run_up_s);
   }
   if (goal.length_m > config.max_length_m || course.seconds() > config.max_seconds) {
-    return Refused(SweepOutcome::kTooLong,
-                   fmt::format("a sweep of {:.3f} m takes {:.1f} s; at most {:.3f} m and {:.1f} s "
-                               "are allowed",
-                               goal.length_m, course.seconds(), config.max_length_m,
-                               config.max_seconds));
+    return Refused(
+        SweepOutcome::kTooLong,
+        fmt::format("a sweep of {:.3f} m takes {:.1f} s; at most {:.3f} m and {:.1f} s "
+                    "are allowed",
+                    goal.length_m, course.seconds(), config.max_length_m, config.max_seconds));
   }
   const std::vector<hal::JointInfo> gentle = Gently(carrier.joints, config.motion.speed_share);
   std::vector<Beginning> beginnings;
   PlannedSweep best;
   for (const Line& line : LinesOf(goal, carrier.X_WB.inverse())) {
-    const kinematics::JointSolutions solutions =
-        SolveInverseKinematics(collision.chain(), {line.X_BL, carrier.X_EL, false}, carrier.q,
-                               config.inverse_kinematics);
+    const kinematics::JointSolutions solutions = SolveInverseKinematics(
+        collision.chain(), {line.X_BL, carrier.X_EL, false}, carrier.q, config.inverse_kinematics);
     if (solutions.q.empty()) best.reason = solutions.reason;
     for (const Eigen::VectorXd& q : solutions.q) {
       // The solution is as exact as it is configured; the line is followed more exactly.
@@ -246,15 +245,14 @@ PlannedSweep PlanSweep(const SweepGoal& goal, const LaserCarrier& carrier,
       beginnings.push_back({line, *exact, SecondsBetween(carrier.q, *exact, gentle)});
     }
   }
-  std::stable_sort(
-      beginnings.begin(), beginnings.end(),
-      [](const Beginning& a, const Beginning& b) { return a.seconds < b.seconds; });
+  std::stable_sort(beginnings.begin(), beginnings.end(),
+                   [](const Beginning& a, const Beginning& b) { return a.seconds < b.seconds; });
   const SweepPlanner planner(course, carrier, collision, config);
   for (const Beginning& beginning : beginnings) {
     PlannedSweep plan = planner.Along(beginning.line, beginning.q);
     if (plan.outcome == SweepOutcome::kFound) {
-      PlannedMotion approach = PlanMotion(collision, carrier.joints, carrier.q, beginning.q, seed,
-                                          config.motion);
+      PlannedMotion approach =
+          PlanMotion(collision, carrier.joints, carrier.q, beginning.q, seed, config.motion);
       if (approach.outcome == MotionOutcome::kFound) {
         plan.approach = std::move(approach.trajectory);
         return plan;

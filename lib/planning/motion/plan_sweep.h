@@ -14,14 +14,14 @@
 namespace secondlook::planning {
 
 struct SweepConfig {
-  double speed_m_s{0.04};      ///< Of the laser: at 50 lines a second they are 0.8 mm apart.
-  double max_length_m{0.3};    ///< Of one sweep.
-  double max_seconds{10.0};    ///< Likewise.
-  double run_up_s{0.2};        ///< From rest to that speed, and again to rest.
-  double exact_m{0.0003};      ///< The laser leaves its straight line by no more than this …
-  double exact_deg{0.05};      ///< … and this.
+  double speed_m_s{0.04};    ///< Of the laser: at 50 lines a second they are 0.8 mm apart.
+  double max_length_m{0.3};  ///< Of one sweep.
+  double max_seconds{10.0};  ///< Likewise.
+  double run_up_s{0.2};      ///< From rest to that speed, and again to rest.
+  double exact_m{0.0003};    ///< The laser leaves its straight line by no more than this …
+  double exact_deg{0.05};    ///< … and this.
   kinematics::InverseKinematicsConfig inverse_kinematics;
-  MotionConfig motion;         ///< On the way to where it begins.
+  MotionConfig motion;  ///< On the way to where it begins.
 
   template <class A>
   void Serialize(A* a) {
@@ -38,9 +38,10 @@ struct SweepConfig {
   void Validate() const;
 };
 
-/// A scan: the laser (frame L, hal::StriperInfo) goes straight along y_L, from `length_m` / 2 before
-/// its middle to as far behind it, without turning. Its line lies across that, so the scan is as
-/// broad as the fan. Which end comes first, and which way x_L points, makes no difference to it.
+/// A scan: the laser (frame L, hal::StriperInfo) goes straight along y_L, from `length_m` / 2
+/// before its middle to as far behind it, without turning. Its line lies across that, so the scan
+/// is as broad as the fan. Which end comes first, and which way x_L points, makes no difference to
+/// it.
 struct SweepGoal {
   Pose X_WL{Pose::Identity()};  ///< Of the laser in the middle of the sweep.
   double length_m{};
@@ -80,10 +81,10 @@ struct LaserCarrier {
   Eigen::VectorXd q;            ///< Joint angles [rad].
 };
 
-/// The motion of an arm for one scan: exactly the line, at a constant speed but for the run-up, with
-/// nothing touched anywhere on it, or none and why. Of several ways to do it that whose beginning is
-/// the soonest reached and which passes every check is taken.
-/// Deterministic: chance is drawn from `seed`.
+/// The motion of an arm for one scan: exactly the line, at a constant speed but for the run-up,
+/// with nothing touched anywhere on it, or none and why. Of several ways to do it that whose
+/// beginning is the soonest reached and which passes every check is taken. Deterministic: chance is
+/// drawn from `seed`.
 /// @throws ConfigError when `config` is not valid; InvalidArgument for a goal that is no rigid
 /// transform or no length, or angles of the wrong number.
 PlannedSweep PlanSweep(const SweepGoal& goal, const LaserCarrier& carrier,
