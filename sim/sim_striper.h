@@ -4,14 +4,14 @@
 #include <memory>
 
 #include "lib/hal/laser_striper.h"
+#include "sim/line_scanner.h"
 #include "sim/world.h"
 
 namespace secondlook::sim {
 
-/// The laser striper on the arm of the simulated robot: 640 points over 14.25 degrees, from 0.3 to
-/// 0.6 m, 50 lines a second (the ScanControl 2700 of Kriegel et al. 2013, Table I). It sees what
-/// stands in the scene, not what moves in it. Its noise depends on the seed and the sequence number
-/// of a line alone. See StriperDrive for when it draws one.
+/// The laser striper on the arm of the simulated robot, as SimulatedStriper() says. It sees what
+/// stands in the scene, not what moves in it. See StriperDrive for when it draws a line, and
+/// LineScanner for what it measures.
 class SimStriper : public hal::LaserStriper {
  public:
   /// `world`, which has a striper, must outlive this.
@@ -28,16 +28,13 @@ class SimStriper : public hal::LaserStriper {
   void Lose() { gone_ = true; }
 
  private:
-  class Surroundings;
-
   void RequireThere() const;
-  hal::ScanLine Measure(const Shot& shot);
 
   World* world_;
   std::uint64_t seed_;
   hal::StriperInfo info_;
-  std::unique_ptr<Surroundings> surroundings_;  ///< Made for the first line.
-  Time last_time_{};                            ///< Stamps are later.
+  std::unique_ptr<LineScanner> scanner_;  ///< Made for the first line.
+  Time earliest_{};                       ///< No stamp before it.
   bool gone_{};
 };
 

@@ -17,8 +17,8 @@
 namespace secondlook::hal {
 namespace {
 
-using ::testing::HasSubstr;
 using second_look::striper_line_t;
+using ::testing::HasSubstr;
 
 LcmStriperConfig Config() {
   LcmStriperConfig config;

@@ -21,8 +21,7 @@ StriperEmulator::StriperEmulator(LcmLink* link, int points) : link_(link), point
                 [this](const auto& message) {
                   const auto command = transport::Decode<striper_command_t>(message);
                   const std::scoped_lock lock(mutex_);
-                  lit_until_ =
-                      command.on ? clock_.Now() + Seconds(command.valid_seconds) : Time{};
+                  lit_until_ = command.on ? clock_.Now() + Seconds(command.valid_seconds) : Time{};
                 });
   thread_ = std::thread([this] { Run(); });
 }

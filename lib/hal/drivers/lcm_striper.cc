@@ -171,19 +171,16 @@ LcmStriper::LcmStriper(const LcmStriperConfig& config, std::shared_ptr<LcmLink> 
                        const Clock* clock)
     : config_(config), link_(std::move(link)), clock_(clock) {
   config_.Validate();
-  info_ = {config_.name,
-           config_.points,
-           config_.field_of_view_deg / 180.0 * std::numbers::pi,
-           config_.min_range,
-           config_.max_range,
-           config_.lines_per_second,
-           config_.range_sigma};
+  info_ = {
+      config_.name,       config_.points,    config_.field_of_view_deg / 180.0 * std::numbers::pi,
+      config_.min_range,  config_.max_range, config_.lines_per_second,
+      config_.range_sigma};
   inbox_ = std::make_shared<Inbox>(config_, clock_);
   const auto intake = [inbox = inbox_](const char* on) {
-    return transport::Intake{std::string(transport::TypeOn(on)),
-                             {},
-                             kQueue,
-                             [inbox](const std::string& why) { inbox->Reject(why); }};
+    return transport::Intake{
+        std::string(transport::TypeOn(on)), {}, kQueue, [inbox](const std::string& why) {
+          inbox->Reject(why);
+        }};
   };
   transport::Intake lines = intake(channel::kStriperLine);
   lines.limits.values = config_.points;
