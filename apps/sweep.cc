@@ -11,14 +11,13 @@ using hal::MotionPhase;
 using Kind = DriveOutcome::Kind;
 
 constexpr Duration kPoll = Seconds(0.01);
-constexpr Duration kKeep = Seconds(60.0);    // poses; a sweep is far shorter
-constexpr Duration kUnderWay = Seconds(0.1); // lines, after the last was measured
+constexpr Duration kKeep = Seconds(60.0);     // poses; a sweep is far shorter
+constexpr Duration kUnderWay = Seconds(0.1);  // lines, after the last was measured
 
 /// Follows trajectories with an arm and remembers where its laser was.
 class LaserCourse {
  public:
-  LaserCourse(const LaserMount& mount, const Pose& X_WB, const StopRequest& stop,
-              hal::Robot* robot)
+  LaserCourse(const LaserMount& mount, const Pose& X_WB, const StopRequest& stop, hal::Robot* robot)
       : mount_(mount), X_WB_(X_WB), stop_(stop), robot_(*robot), X_WL_("X_WL", kKeep) {}
 
   const PoseHistory& X_WL() const { return X_WL_; }

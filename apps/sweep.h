@@ -29,10 +29,10 @@ struct LaserMount {
   Pose X_EL{Pose::Identity()};  ///< Calibration of the laser on the end-effector.
 };
 
-/// Moves the arm to where `plan` begins, then along its sweep with the laser on, and makes a scan of
-/// the lines that come, each with where the arm was at its own time. Stopped on the way, by `stop`
-/// or by somebody else, or failing, it keeps the scan up to there and says so. The laser is off
-/// before the sweep, after it, and whatever is thrown.
+/// Moves the arm to where `plan` begins, then along its sweep with the laser on, and makes a scan
+/// of the lines that come, each with where the arm was at its own time. Stopped on the way, by
+/// `stop` or by somebody else, or failing, it keeps the scan up to there and says so. The laser is
+/// off before the sweep, after it, and whatever is thrown.
 /// @param X_WB Of the base, which stands still.
 /// @pre plan.outcome is kFound; robot has arm and striper.
 /// @throws DeviceError when a device is lost; everything is stopped before.

@@ -32,7 +32,12 @@ geometry::Mesh Together(const std::vector<Fixture>& fixtures) {
 }  // namespace
 
 hal::StriperInfo SimulatedStriper(const NoiseConfig& noise) {
-  return {"striper", 640, 14.25 * kRadians, 0.3, 0.6, 1.0 / ToSeconds(StriperDrive::kPeriod),
+  return {"striper",
+          640,
+          14.25 * kRadians,
+          0.3,
+          0.6,
+          1.0 / ToSeconds(StriperDrive::kPeriod),
           std::max(noise.striper_range_sigma, 1e-6)};
 }
 
@@ -68,13 +73,12 @@ hal::ScanLine LineScanner::Measure(const Shot& shot) const {
   Rng rng(Fnv1a(shot.sequence, seed_));
   const double most = kMaxStampSigmas * noise_.stamp_sigma;
   const double late = std::clamp(rng.Gaussian(noise_.stamp_sigma), -most, most);
-  hal::ScanLine line{std::min(shot.time + Seconds(late), shot.time + StriperDrive::kPeriod),
-                     shot.sequence,
-                     {}};
+  hal::ScanLine line{
+      std::min(shot.time + Seconds(late), shot.time + StriperDrive::kPeriod), shot.sequence, {}};
   std::vector<geometry::Ray> rays_W;
   for (int i = 0; i < info_.points; ++i) {
-    rays_W.push_back({shot.X_WL.translation().cast<float>(),
-                      (shot.X_WL.linear() * info_.Ray(i)).cast<float>()});
+    rays_W.push_back(
+        {shot.X_WL.translation().cast<float>(), (shot.X_WL.linear() * info_.Ray(i)).cast<float>()});
   }
   const double min_cosine = std::cos(noise_.striper_max_incidence_deg * kRadians);
   const std::vector<geometry::RayHit> hits = caster_.Cast(rays_W);

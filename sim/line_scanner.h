@@ -11,8 +11,8 @@
 
 namespace secondlook::sim {
 
-/// What a laser striper is like: 640 points over 14.25 degrees, from 0.3 to 0.6 m, 50 lines a second
-/// (the ScanControl 2700 of Kriegel et al. 2013, Table I).
+/// What a laser striper is like: 640 points over 14.25 degrees, from 0.3 to 0.6 m, 50 lines a
+/// second (the ScanControl 2700 of Kriegel et al. 2013, Table I).
 hal::StriperInfo SimulatedStriper(const NoiseConfig& noise);
 
 /// Measures lines on all that stands in a scene. The noise of a line depends on the seed and its
