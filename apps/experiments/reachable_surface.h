@@ -18,8 +18,8 @@ struct SurfacePoint {
   bool reachable{};          ///< A sensor could see it.
 };
 
-/// `count` points spread evenly over the object `mesh` at `X_WM` that stands by itself on a table of
-/// height `table` [m]. Reachable are those that one at least of 2000 places sees, none of them
+/// `count` points spread evenly over the object `mesh` at `X_WM` that stands by itself on a table
+/// of height `table` [m]. Reachable are those that one at least of 2000 places sees, none of them
 /// chosen by what is being measured: spread evenly over the half spheres of 0.35, 0.45 and 0.55 m
 /// about the middle of the object, at least 5 cm above the table,
 /// with no more than 75 degrees of incidence and nothing in between.
@@ -28,14 +28,15 @@ std::vector<SurfacePoint> ReachableSurface(const geometry::Mesh& mesh, const Pos
 
 /// How a surface that was measured compares with the true one.
 struct SurfaceFigures {
-  double reachable_within_1mm{};  ///< Share of the reachable surface with something measured there …
-  double all_within_1mm{};        ///< … and of the whole.
+  double
+      reachable_within_1mm{};  ///< Share of the reachable surface with something measured there …
+  double all_within_1mm{};     ///< … and of the whole.
   double reachable_within_3mm{};
-  double rms{};                   ///< Of the distances of what was measured from the truth [m].
+  double rms{};  ///< Of the distances of what was measured from the truth [m].
 };
 
-/// Compares points of the measured surface with `truth`, after the rigid motion of all together that
-/// brings them nearest to it (point-to-plane ICP). All 0 for no points.
+/// Compares points of the measured surface with `truth`, after the rigid motion of all together
+/// that brings them nearest to it (point-to-plane ICP). All 0 for no points.
 SurfaceFigures CompareSurface(const std::vector<Eigen::Vector3d>& measured_W,
                               const std::vector<SurfacePoint>& truth);
 

@@ -27,8 +27,8 @@ using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kAround = 0.04;       // [m] of the table that a scan keeps around the object
-constexpr double kLane = 0.1;          // [m] from a sweep to the one beside it; the fan is 0.11 wide
+constexpr double kAround = 0.04;  // [m] of the table that a scan keeps around the object
+constexpr double kLane = 0.1;     // [m] from a sweep to the one beside it; the fan is 0.11 wide
 constexpr double kLongestSweep = 0.3;  // [m]
 constexpr double kSpeed = 0.04;        // [m/s] of a sweep
 constexpr double kNearest = 0.52;      // [m] from the depth camera to the object
@@ -88,10 +88,12 @@ world::RangeScan Within(const world::RangeScan& scan, const Eigen::AlignedBox3d&
   return kept;
 }
 
-/// How well the arm's poses are known, with the mounting of what it carries.
+/// How well a scan's pose is known against that of the first, which errs as well: that of the arm,
+/// with the mounting of what it carries.
 perception::LaserPrecision PrecisionOf(const sim::NoiseConfig& noise) {
-  return {std::hypot(noise.arm_sigma, noise.hand_eye_sigma),
-          std::hypot(noise.arm_sigma_deg, noise.hand_eye_sigma_deg) * kDegree};
+  return {
+      std::numbers::sqrt2 * std::hypot(noise.arm_sigma, noise.hand_eye_sigma),
+      std::numbers::sqrt2 * std::hypot(noise.arm_sigma_deg, noise.hand_eye_sigma_deg) * kDegree};
 }
 
 /// The laser, swept over the object along each direction, as often side by side as it takes.
@@ -111,11 +113,10 @@ class StriperScans {
     for (int lane = 0; lane < lanes; ++lane) {
       const Vector3d target_W =
           subject_.box_W.center() + (lane - 0.5 * (lanes - 1)) * kLane * side_W;
-      scans.push_back(Sweep(planning::SweepOver(target_W, -direction_W,
-                                                direction_W.cross(side_W),
-                                                std::min(kLongestSweep, size.norm() + kAround),
-                                                scanner_.info()),
-                            rng));
+      scans.push_back(Sweep(
+          planning::SweepOver(target_W, -direction_W, direction_W.cross(side_W),
+                              std::min(kLongestSweep, size.norm() + kAround), scanner_.info()),
+          rng));
     }
     return scans;
   }
