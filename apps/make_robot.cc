@@ -16,7 +16,7 @@ ReadyRobot Make(const sim::SimConfig& config, std::uint64_t seed) {
   sim::SimulatedRobot simulated = sim::MakeSimulatedRobot(scene, config, seed);
   sim::RequireStandingRoom(scene, simulated.world->objects());
   return {std::move(simulated.world), std::move(simulated.robot), simulated.calibration,
-          std::move(simulated.hand)};
+          std::move(simulated.hand), simulated.X_EL};
 }
 
 ReadyRobot Make(const RealConfig& config, std::uint64_t /*seed*/) {
@@ -24,11 +24,14 @@ ReadyRobot Make(const RealConfig& config, std::uint64_t /*seed*/) {
   const kinematics::Calibration calibration = kinematics::LoadCalibration(config.calibration);
   ready.calibration = calibration.head;
   if (config.arm) ready.hand = LoadArm(*config.arm, calibration);
+  const bool striper = config.arm && config.arm->striper;
+  if (striper) ready.X_EL = LaserOnArm(calibration);
   ready.robot.clock = std::make_unique<hal::LiveClock>();
   RealDevices devices(config, ready.robot.clock.get());
   // What moves last, so that nothing has been started when something is missing.
   ready.robot.head_camera = devices.OpenCamera();
   if (config.arm) ready.robot.hand_camera = devices.OpenHandCamera();
+  if (striper) ready.robot.striper = devices.OpenStriper();
   ready.robot.base = devices.OpenBase();
   ready.robot.head = devices.OpenHead();
   if (config.arm) ready.robot.arm = devices.OpenArm();

@@ -18,6 +18,7 @@ struct ReadyRobot {
   hal::Robot robot;
   kinematics::HeadCalibration calibration;
   std::optional<kinematics::EyeInHand> hand;  ///< Of a robot with an arm.
+  std::optional<Pose> X_EL{};                 ///< Of the laser on it, if it carries one.
 };
 
 /// Connects to the robot that `config` describes: the only place that knows every backend.

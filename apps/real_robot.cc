@@ -37,6 +37,10 @@ std::unique_ptr<hal::Camera> RealDevices::OpenHandCamera() {
   return std::visit([this](const auto& config) { return Open(config); }, config_.arm->camera);
 }
 
+std::unique_ptr<hal::LaserStriper> RealDevices::OpenStriper() {
+  return std::make_unique<hal::LcmStriper>(*config_.arm->striper, Link(), clock_);
+}
+
 std::unique_ptr<hal::Camera> RealDevices::Open(const hal::OpenNi2Config& config) {
   return std::make_unique<hal::OpenNi2Camera>(config, clock_);
 }
@@ -89,6 +93,13 @@ kinematics::EyeInHand LoadArm(const RealArmConfig& config,
                        hand.arm.size(), config.tip, joints);
   }
   return hand;
+}
+
+Pose LaserOnArm(const kinematics::Calibration& calibration) {
+  if (!calibration.X_EL) {
+    Throw<ConfigError>("the calibration file has no X_EL: where the laser sits on the arm");
+  }
+  return *calibration.X_EL;
 }
 
 }  // namespace secondlook::apps

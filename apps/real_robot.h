@@ -14,6 +14,7 @@
 #include "lib/hal/drivers/lcm_base.h"
 #include "lib/hal/drivers/lcm_camera.h"
 #include "lib/hal/drivers/lcm_link.h"
+#include "lib/hal/drivers/lcm_striper.h"
 #include "lib/hal/drivers/openni2_camera.h"
 #include "lib/hal/drivers/video_camera.h"
 #include "lib/kinematics/calibration_file.h"
@@ -27,6 +28,7 @@ struct RealArmConfig {
   std::string urdf;           ///< Its description; the root link is the base B. Required.
   std::string tip{"flange"};  ///< The link that is its end-effector E.
   std::variant<hal::VideoCameraConfig, hal::LcmCameraConfig> camera;
+  std::optional<hal::LcmStriperConfig> striper;  ///< None: it carries no laser.
 
   template <class A>
   void Serialize(A* a) {
@@ -34,6 +36,7 @@ struct RealArmConfig {
     a->Visit("urdf", &urdf);
     a->Visit("tip", &tip);
     a->Visit("camera", &camera);
+    a->Visit("striper", &striper);
   }
   /// @throws ConfigError naming the value.
   void Validate() const;
@@ -82,6 +85,8 @@ class RealDevices {
   // @pre there is an arm.
   std::unique_ptr<hal::Arm> OpenArm();
   std::unique_ptr<hal::Camera> OpenHandCamera();
+  // @pre it carries a laser.
+  std::unique_ptr<hal::LaserStriper> OpenStriper();
 
  private:
   std::unique_ptr<hal::Camera> Open(const hal::OpenNi2Config& config);
@@ -105,5 +110,8 @@ class RealDevices {
 /// @throws ConfigError for a description of another arm, or a calibration without X_EC.
 kinematics::EyeInHand LoadArm(const RealArmConfig& config,
                               const kinematics::Calibration& calibration);
+
+/// Where the laser sits on the arm, as `calibration` says. @throws ConfigError when it does not.
+Pose LaserOnArm(const kinematics::Calibration& calibration);
 
 }  // namespace secondlook::apps

@@ -62,6 +62,14 @@ secondlook_import(console_bridge console_bridge/console.h console_bridge)
 secondlook_import(urdfdom urdf_parser/urdf_parser.h urdfdom_model)
 target_link_libraries(urdfdom INTERFACE console_bridge)
 
+# Its own FindOpenVDB.cmake asks for parts of Boost and Blosc that its headers do not use here.
+find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h REQUIRED)
+find_library(OPENVDB_LIBRARY openvdb REQUIRED)
+add_library(openvdb UNKNOWN IMPORTED GLOBAL)
+set_target_properties(openvdb PROPERTIES IMPORTED_LOCATION ${OPENVDB_LIBRARY}
+                                         INTERFACE_INCLUDE_DIRECTORIES ${OPENVDB_INCLUDE_DIR})
+target_link_libraries(openvdb INTERFACE TBB::tbb)
+
 # Third-party headers are not ours to warn about.
 foreach(library Eigen3::Eigen yaml-cpp fcl octomap nanoflann::nanoflann)
   get_target_property(directories ${library} INTERFACE_INCLUDE_DIRECTORIES)

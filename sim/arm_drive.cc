@@ -88,9 +88,9 @@ void ArmDrive::Step(double dt) {
   }
 }
 
-Pose ArmDrive::TrueCameraInBase() const {
-  return chain().TipPose(encoders_) * ToPose(error_) * X_EC_;
-}
+Pose ArmDrive::TrueFlangeInBase() const { return chain().TipPose(encoders_) * ToPose(error_); }
+
+Pose ArmDrive::TrueCameraInBase() const { return TrueFlangeInBase() * X_EC_; }
 
 void ArmDrive::End(hal::MotionPhase phase) {
   status_ = {phase, ""};

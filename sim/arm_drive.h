@@ -1,9 +1,11 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 
 #include <Eigen/Core>
 
+#include "lib/common/pose.h"
 #include "lib/common/rng.h"
 #include "lib/hal/arm.h"
 #include "lib/kinematics/eye_in_hand.h"
@@ -11,11 +13,18 @@
 
 namespace secondlook::sim {
 
+/// A laser striper on the end-effector of an arm.
+struct StriperSetup {
+  Pose X_EL{Pose::Identity()};  ///< As calibrated.
+  int held{};                   ///< Lines that wait at most to be taken.
+};
+
 /// What a simulated arm is: as its files say, before any error.
 struct ArmSetup {
   hal::ArmInfo info;
   kinematics::EyeInHand hand;
-  Eigen::VectorXd home;  ///< Where it begins [rad].
+  Eigen::VectorXd home;                   ///< Where it begins [rad].
+  std::optional<StriperSetup> striper{};  ///< Empty: it carries none.
 };
 
 /// The simulated arm itself, behind SimArm. It follows a trajectory exactly by its encoders; its
@@ -40,6 +49,8 @@ class ArmDrive {
   /// What its encoders say [rad].
   const Eigen::VectorXd& encoders() const { return encoders_; }
   bool moves() const { return status_.phase == hal::MotionPhase::kMoving; }
+  /// X_BE as it truly is.
+  Pose TrueFlangeInBase() const;
   /// Where its camera truly is, in the base.
   Pose TrueCameraInBase() const;
 

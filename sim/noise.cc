@@ -191,6 +191,7 @@ void NoiseConfig::Validate() const {
       {"arm_sigma_deg", arm_sigma_deg},
       {"hand_eye_sigma", hand_eye_sigma},
       {"hand_eye_sigma_deg", hand_eye_sigma_deg},
+      {"striper_range_sigma", striper_range_sigma},
       {"stamp_sigma", stamp_sigma}};
   for (const auto& [key, value] : not_negative) Require(value >= 0.0, key, value, "0 or more");
   const std::pair<const char*, double> positive[] = {{"disparity_baseline", disparity_baseline},
@@ -201,6 +202,8 @@ void NoiseConfig::Validate() const {
           "1 or more");
   Require(max_incidence_deg > 0.0 && max_incidence_deg <= 90.0, "max_incidence_deg",
           max_incidence_deg, "in (0, 90]");
+  Require(striper_max_incidence_deg > 0.0 && striper_max_incidence_deg <= 90.0,
+          "striper_max_incidence_deg", striper_max_incidence_deg, "in (0, 90]");
   Require(dark_shiny_loss >= 0.0 && dark_shiny_loss <= 1.0, "dark_shiny_loss", dark_shiny_loss,
           "in [0, 1]");
 }
@@ -226,6 +229,8 @@ NoiseConfig NoiseConfig::None() {
   none.arm_sigma_deg = 0.0;
   none.hand_eye_sigma = 0.0;
   none.hand_eye_sigma_deg = 0.0;
+  none.striper_range_sigma = 0.0;
+  none.striper_max_incidence_deg = 90.0;
   none.stamp_sigma = 0.0;
   return none;
 }

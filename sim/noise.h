@@ -47,7 +47,11 @@ struct NoiseConfig {
   double hand_eye_sigma{0.001};    ///< Of the camera on the flange, fixed for a mission [m].
   double hand_eye_sigma_deg{0.2};  ///< Likewise.
 
-  double stamp_sigma{0.005};  ///< Of the time on a frame [s].
+  // The laser striper, if there is one; it is mounted as well as the hand's camera.
+  double striper_range_sigma{0.0001};      ///< Of a range [m].
+  double striper_max_incidence_deg{75.0};  ///< Beyond it nothing returns; 90: everything does.
+
+  double stamp_sigma{0.005};  ///< Of the time on a frame or a line [s].
 
   template <class A>
   void Serialize(A* a) {
@@ -74,6 +78,8 @@ struct NoiseConfig {
     a->Visit("arm_sigma_deg", &arm_sigma_deg);
     a->Visit("hand_eye_sigma", &hand_eye_sigma);
     a->Visit("hand_eye_sigma_deg", &hand_eye_sigma_deg);
+    a->Visit("striper_range_sigma", &striper_range_sigma);
+    a->Visit("striper_max_incidence_deg", &striper_max_incidence_deg);
     a->Visit("stamp_sigma", &stamp_sigma);
   }
 

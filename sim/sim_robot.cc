@@ -3,11 +3,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "lib/common/check_range.h"
 #include "lib/common/yaml_reader.h"
 #include "sim/sim_arm.h"
 #include "sim/sim_base.h"
 #include "sim/sim_clock.h"
 #include "sim/sim_pan_tilt.h"
+#include "sim/sim_striper.h"
 
 namespace secondlook::sim {
 namespace {
@@ -24,6 +26,14 @@ NoiseConfig NoiseIn(const Scene& scene, const NoiseConfig& base) {
   return noise;
 }
 
+Pose Mounted(const Eigen::Vector3d& position, const Eigen::Vector3d& rpy_deg) {
+  Pose X = Pose::Identity();
+  X.translation() = position;
+  const Eigen::Vector3d rpy = rpy_deg * kRadians;
+  X.linear() = RotationFromRollPitchYaw(rpy.x(), rpy.y(), rpy.z());
+  return X;
+}
+
 }  // namespace
 
 CameraFault ParseCameraFault(const std::string& text) {
@@ -34,6 +44,13 @@ CameraFault ParseCameraFault(const std::string& text) {
   Throw<ConfigError>("'camera_fault' = '{}' must be none, nan, nothing or lost", text);
 }
 
+void SimStriperConfig::Validate() const {
+  if (!position.allFinite() || !rpy_deg.allFinite()) {
+    Throw<ConfigError>("striper.position and striper.rpy_deg must be finite");
+  }
+  CheckRange(held, 1, 100'000, "striper.held");
+}
+
 void SimArmConfig::Validate() const {
   if (urdf.empty()) Throw<ConfigError>("'urdf' is missing: the file that describes the arm");
   if (!(acceleration_deg > 0.0) || !std::isfinite(acceleration_deg)) {
@@ -42,6 +59,7 @@ void SimArmConfig::Validate() const {
   if (!camera_position.allFinite() || !camera_rpy_deg.allFinite()) {
     Throw<ConfigError>("camera_position and camera_rpy_deg must be finite");
   }
+  if (striper) striper->Validate();
 }
 
 ArmSetup LoadArm(const SimArmConfig& config) {
@@ -52,11 +70,12 @@ ArmSetup LoadArm(const SimArmConfig& config) {
     Throw<ConfigError>("home_deg has {} angles, but '{}' has {} joints up to '{}'",
                        config.home_deg.size(), config.urdf, joints, config.tip);
   }
-  Pose X_EC = Pose::Identity();
-  X_EC.translation() = config.camera_position;
-  const Eigen::Vector3d rpy = config.camera_rpy_deg * kRadians;
-  X_EC.linear() = RotationFromRollPitchYaw(rpy.x(), rpy.y(), rpy.z());
+  const Pose X_EC = Mounted(config.camera_position, config.camera_rpy_deg);
   ArmSetup setup{{chain.model().name, {}}, {chain, X_EC}, Eigen::VectorXd(chain.size())};
+  if (config.striper) {
+    setup.striper = {Mounted(config.striper->position, config.striper->rpy_deg),
+                     config.striper->held};
+  }
   for (int i = 0; i < chain.size(); ++i) {
     const kinematics::Joint& joint = chain.joint(i);
     setup.home[i] = config.home_deg[i] * kRadians;
@@ -92,6 +111,10 @@ SimulatedRobot MakeSimulatedRobot(const Scene& scene, const SimConfig& config, s
     simulated.robot.arm = std::make_unique<SimArm>(world);
     simulated.robot.hand_camera = std::make_unique<SimCamera>(
         world, CameraMount::kHand, config.arm->camera_has_depth, CameraFault::kNone, seed);
+    if (arm->striper) {
+      simulated.X_EL = arm->striper->X_EL;
+      simulated.robot.striper = std::make_unique<SimStriper>(world, seed);
+    }
   }
   return simulated;
 }

@@ -18,6 +18,23 @@
 
 namespace secondlook::sim {
 
+/// The laser striper on the arm's end-effector: how it is mounted, as calibrated (frame L as
+/// hal::StriperInfo has it).
+struct SimStriperConfig {
+  Eigen::Vector3d position{-0.06, 0.0, 0.032};  ///< In E [m].
+  Eigen::Vector3d rpy_deg{0.0, 0.0, 0.0};       ///< Rz(yaw) Ry(pitch) Rx(roll).
+  int held{100};                                ///< Lines that wait at most to be taken.
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("position", &position);
+    a->Visit("rpy_deg", &rpy_deg);
+    a->Visit("held", &held);
+  }
+  /// @throws ConfigError naming the value.
+  void Validate() const;
+};
+
 /// The arm of the simulated robot, with a camera in its hand.
 struct SimArmConfig {
   std::string urdf;           ///< Its description; the root link is the base B. Drawn, too.
@@ -29,6 +46,7 @@ struct SimArmConfig {
   Eigen::Vector3d camera_position{0.06, 0.0, 0.032};  ///< [m]
   Eigen::Vector3d camera_rpy_deg{0.0, 0.0, 0.0};      ///< Rz(yaw) Ry(pitch) Rx(roll).
   bool camera_has_depth{true};
+  std::optional<SimStriperConfig> striper;  ///< None: it carries no laser.
 
   template <class A>
   void Serialize(A* a) {
@@ -39,6 +57,7 @@ struct SimArmConfig {
     a->Visit("camera_position", &camera_position);
     a->Visit("camera_rpy_deg", &camera_rpy_deg);
     a->Visit("camera_has_depth", &camera_has_depth);
+    a->Visit("striper", &striper);
   }
   /// @throws ConfigError naming the value.
   void Validate() const;
@@ -77,6 +96,7 @@ struct SimulatedRobot {
   hal::Robot robot;
   kinematics::HeadCalibration calibration;    ///< Nominal, as a calibration file would say.
   std::optional<kinematics::EyeInHand> hand;  ///< Likewise; empty: it has no arm.
+  std::optional<Pose> X_EL;                   ///< Likewise, of the striper.
 };
 
 /// Puts a robot into `scene` (config.scene is not read). All its errors are drawn from `seed`.

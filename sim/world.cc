@@ -49,6 +49,7 @@ World::World(const Scene& scene, const NoiseConfig& noise,
   if (arm) {
     arm_.emplace(*arm, noise, seed);
     arm_contact_.emplace(fixtures_, arm_->chain());
+    if (arm->striper) striper_.emplace(arm->striper->X_EL, arm->striper->held, noise, seed);
   }
   FindCollisions();
   KeepState();
@@ -65,6 +66,7 @@ void World::Step() {
   base_.Step(dt, surroundings_);
   head_.Step(dt);
   if (arm_) arm_->Step(dt);
+  if (striper_) striper_->Step(Now(), ToPose(base_.truth()) * arm_->TrueFlangeInBase());
   FindCollisions();
   KeepState();
 }

@@ -19,6 +19,7 @@
 #include "sim/head_drive.h"
 #include "sim/noise.h"
 #include "sim/scene.h"
+#include "sim/striper_drive.h"
 #include "sim/surroundings.h"
 #include "sim/walker.h"
 
@@ -51,9 +52,9 @@ struct TrueView {
 };
 
 /// The simulated world: the room, what moves in it, and the robot as it truly is. It moves on only
-/// in steps of kStep, in one fixed order (moving obstacles, base, head, arm, collisions), and
-/// depends on nothing but the scene, the noise, the seed and the commands. Threading: Now() and the
-/// RequestStop() of the drives from any thread, the rest from one.
+/// in steps of kStep, in one fixed order (moving obstacles, base, head, arm, striper, collisions),
+/// and depends on nothing but the scene, the noise, the seed and the commands. Threading: Now() and
+/// the RequestStop() of the drives from any thread, the rest from one.
 class World {
  public:
   static constexpr Duration kStep = Seconds(0.01);
@@ -84,6 +85,8 @@ class World {
   /// Null when the robot has none.
   ArmDrive* arm() { return arm_ ? &*arm_ : nullptr; }
   const ArmDrive* arm() const { return arm_ ? &*arm_ : nullptr; }
+  /// Likewise.
+  StriperDrive* striper() { return striper_ ? &*striper_ : nullptr; }
 
   const Scene& scene() const { return scene_; }
   const std::vector<PlacedObject>& objects() const { return objects_; }
@@ -113,6 +116,7 @@ class World {
   BaseDrive base_;
   HeadDrive head_;
   std::optional<ArmDrive> arm_;
+  std::optional<StriperDrive> striper_;
   std::optional<ArmContact> arm_contact_;
   std::atomic<Duration::rep> now_{0};
   std::deque<WorldState> states_;

@@ -239,6 +239,20 @@ std::string CheckHandCamera(const hal::CameraInfo& info, const kinematics::EyeIn
                      hand.X_EC.translation().norm());
 }
 
+/// It stays dark.
+std::string CheckStriper(hal::LaserStriper* striper, const Pose& X_EL) {
+  if (!IsValid(X_EL)) {
+    Throw<ConfigError>("X_EL is no rigid transform; calibrate the laser on the arm anew");
+  }
+  striper->Take();
+  const hal::StriperInfo& info = striper->info();
+  return fmt::format(
+      "'{}': {} points over {:.2f} deg, from {} to {} m, {} lines a second; {:.3f} m from the "
+      "end-effector",
+      info.name, info.points, info.field_of_view * kDegrees, info.min_range, info.max_range,
+      info.lines_per_second, X_EL.translation().norm());
+}
+
 std::string CheckBase(hal::Base* base) {
   const hal::BaseInfo& info = base->info();
   const Pose2 X_WB = base->State().X_WB;
@@ -278,6 +292,9 @@ void CheckRealRobot(const RunConfig& config, const RealConfig& real, Checklist* 
     return CheckHandCamera(hand_camera->info(), LoadArm(*real.arm, calibration));
   });
   if (hand_sees) check_frames("hand ", hand_camera.get());
+  if (!real.arm->striper) return;
+  list->Check("striper",
+              [&] { return CheckStriper(devices.OpenStriper().get(), LaserOnArm(calibration)); });
 }
 
 void CheckRobot(const RunConfig& config, Checklist* list) {
@@ -304,6 +321,8 @@ void CheckRobot(const RunConfig& config, Checklist* list) {
               [&] { return CheckHandCamera(robot.hand_camera->info(), *ready->hand); });
   list->Check("hand frame",
               [&] { return CheckFrame(config.mission.looks, robot.hand_camera.get()); });
+  if (!robot.striper) return;
+  list->Check("striper", [&] { return CheckStriper(robot.striper.get(), *ready->X_EL); });
 }
 
 int RunCheck(const CheckOptions& options) {

@@ -46,13 +46,21 @@ void Add(const ModelOptions& options) {
   }
 }
 
+/// How a model came to be, in words.
+std::string MadeBy(const world::ObjectModel& model) {
+  if (!model.provenance) return "from a mesh";
+  const world::Provenance& made = *model.provenance;
+  return fmt::format("{} scans by {}, {:.0f} % seen, {}", made.scans, made.sensor,
+                     100.0 * made.coverage, world::DateOf(made));
+}
+
 void List(const std::string& folder) {
   const auto database = world::ObjectDatabase::Load(folder);
-  fmt::print("{:24} {:>22} {:>10}  {}\n", "model", "size [m]", "triangles", "hash");
+  fmt::print("{:24} {:>22} {:>10}  {:16}  {}\n", "model", "size [m]", "triangles", "hash", "made");
   for (const world::ObjectModel& model : database.models()) {
     const Eigen::Vector3d size = geometry::Bounds(model.mesh).sizes();
-    fmt::print("{:24} {:6.3f} x {:5.3f} x {:5.3f} {:10}  {:016x}\n", model.name, size.x(), size.y(),
-               size.z(), model.mesh.triangles.size(), model.hash);
+    fmt::print("{:24} {:6.3f} x {:5.3f} x {:5.3f} {:10}  {:016x}  {}\n", model.name, size.x(),
+               size.y(), size.z(), model.mesh.triangles.size(), model.hash, MadeBy(model));
   }
 }
 

@@ -75,6 +75,12 @@ void RunSegmentationExperiment(const ExperimentOptions& options);
 /// @throws ConfigError for a folder of models that cannot be read.
 void RunRecognitionExperiment(const ExperimentOptions& options);
 
+/// One object at a time scanned by a laser striper and by a depth camera from a fixed ring of poses
+/// (Kriegel 2013, IV-A), with the errors of the arm that carries them: how much of its surface each
+/// brings, and how exactly. A trial is an object. The baseline of the striper is the camera.
+/// @throws ConfigError for a folder of models that cannot be read.
+void RunSensorsExperiment(const ExperimentOptions& options);
+
 /// The pose of one object fused over planned views, as in Fig. 7 of Kriegel 2013: a trial is an
 /// object by itself on a pedestal. The baseline is the paper's average, the mean of the largest
 /// cluster of what the views say singly.

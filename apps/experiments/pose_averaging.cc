@@ -10,6 +10,7 @@
 
 #include "apps/experiments/experiment.h"
 #include "apps/experiments/free_camera.h"
+#include "apps/experiments/pedestal.h"
 #include "apps/experiments/random_scene.h"
 #include "apps/experiments/single_view.h"
 #include "apps/scene_understanding.h"
@@ -27,18 +28,6 @@ using perception::RecognitionModel;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<int, 5> kViews{1, 2, 5, 10, 20};  // after which the fused pose is judged
 
-/// One object on a pedestal.
-sim::Scene OnPedestal(sim::SceneObject object) {
-  sim::Scene scene;
-  scene.name = "pedestal";
-  scene.table.size = {0.5, 0.5};
-  scene.table.solid = true;
-  scene.walls.emplace();
-  object.position = {0.0, 0.0};
-  scene.objects.push_back(std::move(object));
-  return scene;
-}
-
 /// View `k` of a plan: all around the pedestal by the golden angle, so that the first few are
 /// spread as well as all are, at changing heights and distances.
 Pose PlannedView(const sim::Table& table, int k) {
@@ -49,17 +38,6 @@ Pose PlannedView(const sim::Table& table, int k) {
   const Vector3d towards(std::cos(elevation) * std::cos(k * kGolden),
                          std::cos(elevation) * std::sin(k * kGolden), std::sin(elevation));
   return LookAt(target + distance * towards, target);
-}
-
-/// A small motion, normal in every axis.
-Pose SmallMotion(double sigma, double sigma_deg, Rng* rng) {
-  const auto draw = [&](double s) {
-    return Vector3d(rng->Gaussian(s), rng->Gaussian(s), rng->Gaussian(s));
-  };
-  Pose X = Pose::Identity();
-  X.linear() = RotationFromVector(draw(sigma_deg * kDegree));
-  X.translation() = draw(sigma);
-  return X;
 }
 
 /// Where a robot below the camera believes it to be, with the errors of localisation, of the head

@@ -185,6 +185,7 @@ Robot Tap(Robot robot, RobotListener* listener) {
     result.hand_camera =
         std::make_unique<TappedCamera>(std::move(robot.hand_camera), Call::kHandGrab, tapped);
   }
+  result.striper = std::move(robot.striper);
   return result;
 }
 

@@ -60,8 +60,8 @@ class RobotListener {
   virtual void OnError(Call /*call*/, const Error& /*error*/, Time /*now*/) {}
 };
 
-/// The same robot, with `listener`, which must outlive it, told every answer. Stop() passes
-/// straight through from any thread.
+/// The same robot, with `listener`, which must outlive it, told every answer but the striper's.
+/// Stop() passes straight through from any thread.
 Robot Tap(Robot robot, RobotListener* listener);
 
 }  // namespace secondlook::hal

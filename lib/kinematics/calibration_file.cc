@@ -36,6 +36,7 @@ struct FileText {
   std::optional<PoseText> X_BH0;
   std::optional<PoseText> X_HC;
   std::optional<PoseText> X_EC;
+  std::optional<PoseText> X_EL;
   std::optional<CalibrationResiduals> residuals;
 
   template <class A>
@@ -43,6 +44,7 @@ struct FileText {
     a->Visit("X_BH0", &X_BH0);
     a->Visit("X_HC", &X_HC);
     a->Visit("X_EC", &X_EC);
+    a->Visit("X_EL", &X_EL);
     a->Visit("residuals", &residuals);
   }
   void Validate() const {
@@ -71,13 +73,17 @@ Calibration LoadCalibration(const std::filesystem::path& file) {
   ApplyLayer(ReadYamlFile(file), &text);
   Calibration calibration{{ToPose(*text.X_BH0), ToPose(*text.X_HC)}, {}, text.residuals};
   if (text.X_EC) calibration.X_EC = ToPose(*text.X_EC);
+  if (text.X_EL) calibration.X_EL = ToPose(*text.X_EL);
   return calibration;
 }
 
 void SaveCalibration(const Calibration& calibration, const std::filesystem::path& file) {
-  FileText text{
-      ToText(calibration.head.X_BH0), ToText(calibration.head.X_HC), {}, calibration.residuals};
+  FileText text;
+  text.X_BH0 = ToText(calibration.head.X_BH0);
+  text.X_HC = ToText(calibration.head.X_HC);
+  text.residuals = calibration.residuals;
   if (calibration.X_EC) text.X_EC = ToText(*calibration.X_EC);
+  if (calibration.X_EL) text.X_EL = ToText(*calibration.X_EL);
   WriteFile(file, ToYaml(text));
 }
 

@@ -29,6 +29,7 @@ struct Calibration {
   HeadCalibration head;
   std::optional<Pose> X_EC;  ///< Of a camera in the hand, in the end-effector E.
   std::optional<CalibrationResiduals> residuals;
+  std::optional<Pose> X_EL{};  ///< Of a laser striper on the end-effector.
 };
 
 /// @throws ConfigError naming the file and the transform that is missing or none.

@@ -89,7 +89,7 @@ struct Target {
 /// The pairs at a pose, with Tukey's weights for the gate.
 std::vector<PointPlanePair> FindPairs(const std::vector<SurfacePoint>& points_C,
                                       const Target& target, const Pose& X_WC, double gate,
-                                      double min_cosine) {
+                                      double min_cosine, double max_slide) {
   std::vector<PointPlanePair> pairs;
   for (const SurfacePoint& point_C : points_C) {
     const Vector3d p_W = X_WC * point_C.p_AP;
@@ -97,6 +97,7 @@ std::vector<PointPlanePair> FindPairs(const std::vector<SurfacePoint>& points_C,
     const SurfacePoint* match = target.Match(p_W, normal_W, gate, min_cosine);
     if (match == nullptr) continue;
     const double residual = match->normal_A.dot(match->p_AP - p_W);
+    if ((match->p_AP - p_W - residual * match->normal_A).norm() > max_slide) continue;
     const double tukey = 1.0 - (residual / gate) * (residual / gate);
     if (tukey <= 0.0) continue;
     const double variance = point_C.sigma * point_C.sigma + match->sigma * match->sigma;
@@ -245,6 +246,7 @@ void RegisterConfig::Validate() const {
   CheckRange(last_gate_m, 0.001, 1.0, "last_gate_m");
   CheckRange(first_gate_m, last_gate_m, 1.0, "first_gate_m");
   CheckRange(max_normal_angle_deg, 1.0, 90.0, "max_normal_angle_deg");
+  CheckRange(max_slide_m, 0.0, 1.0, "max_slide_m");
   CheckRange(iterations, 1, 1000, "iterations");
   CheckRange(min_constraint, 0.0, 1.0, "min_constraint");
   CheckRange(min_pairs, 6, 1e6, "min_pairs");
@@ -402,7 +404,7 @@ ViewRegistration RegisterView(const std::vector<SurfacePoint>& points_C,
   std::vector<PointPlanePair> pairs;
   geometry::PointPlaneStep step;
   for (int i = 0; i < config.iterations; ++i) {
-    pairs = FindPairs(points_C, target, X_WC, gate, min_cosine);
+    pairs = FindPairs(points_C, target, X_WC, gate, min_cosine, config.max_slide_m);
     step = geometry::SolvePointToPlane(pairs, config.min_constraint);
     X_WC = step.X * X_WC;
     const bool settled =

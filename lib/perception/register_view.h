@@ -46,6 +46,7 @@ struct RegisterConfig {
   double first_gate_m{0.08};       ///< Pairs farther apart are none, at first and…
   double last_gate_m{0.01};        ///< …at the end.
   double max_normal_angle_deg{35};  ///< Between the normals of a pair.
+  double max_slide_m{1.0};  ///< Pairs farther apart along the surface are none: one ends there.
   int iterations{30};
   double min_constraint{0.005};        ///< Of SolvePointToPlane: less of the weight holds nothing.
   int min_pairs{100};                  ///< Fewer are no registration.
@@ -71,6 +72,7 @@ struct RegisterConfig {
     a->Visit("first_gate_m", &first_gate_m);
     a->Visit("last_gate_m", &last_gate_m);
     a->Visit("max_normal_angle_deg", &max_normal_angle_deg);
+    a->Visit("max_slide_m", &max_slide_m);
     a->Visit("iterations", &iterations);
     a->Visit("min_constraint", &min_constraint);
     a->Visit("min_pairs", &min_pairs);

@@ -28,6 +28,9 @@ const std::vector<ChannelType>& DeviceChannels() {
       {channel::kBaseCancel, "second_look.base_cancel_t"},
       {channel::kBaseStatus, "second_look.base_status_t"},
       {channel::kBasePose, "second_look.base_pose_t"},
+      {channel::kStriperCommand, "second_look.striper_command_t"},
+      {channel::kStriperStatus, "second_look.striper_status_t"},
+      {channel::kStriperLine, "second_look.striper_line_t"},
   };
   return channels;
 }

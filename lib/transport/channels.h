@@ -28,6 +28,11 @@ inline constexpr const char* kBaseCancel = "BASE_CANCEL";  ///< Out.
 inline constexpr const char* kBaseStatus = "BASE_STATUS";  ///< In.
 inline constexpr const char* kBasePose = "BASE_POSE";      ///< In.
 
+// Between the driver of a laser striper and what measures (docs/real_robot.md).
+inline constexpr const char* kStriperCommand = "STRIPER_COMMAND";  ///< Out.
+inline constexpr const char* kStriperStatus = "STRIPER_STATUS";    ///< In.
+inline constexpr const char* kStriperLine = "STRIPER_LINE";        ///< In.
+
 // What comes in at the devices, in a recording alone (docs/recording.md).
 inline constexpr const char* kRecMission = "REC_MISSION";
 inline constexpr const char* kRecClock = "REC_CLOCK";

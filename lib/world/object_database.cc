@@ -1,10 +1,14 @@
 #include "lib/world/object_database.h"
 
 #include <algorithm>
+#include <cctype>
+#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <system_error>
 #include <utility>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
@@ -21,7 +25,29 @@ namespace fs = std::filesystem;
 
 constexpr int kFormat = 1;
 constexpr const char* kMetadata = "model.yaml";
+constexpr const char* kMesh = "mesh.obj";
+constexpr const char* kFull = "full";
 constexpr int kMostFold = 24;
+
+/// Provenance as model.yaml has it.
+struct ScannedText {
+  std::string sensor;
+  int scans{};
+  double coverage{};
+  std::string date;
+  std::uint64_t time_ns{};
+  std::string full_hash;
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("sensor", &sensor);
+    a->Visit("scans", &scans);
+    a->Visit("coverage", &coverage);
+    a->Visit("date", &date);
+    a->Visit("time_ns", &time_ns);
+    a->Visit("full_hash", &full_hash);
+  }
+};
 
 /// The content of model.yaml.
 struct Metadata {
@@ -31,6 +57,7 @@ struct Metadata {
   std::string unit;
   std::string hash;
   std::vector<std::string> symmetries;
+  std::optional<ScannedText> scanned;
 
   template <class A>
   void Serialize(A* a) {
@@ -40,6 +67,7 @@ struct Metadata {
     a->Visit("unit", &unit);
     a->Visit("hash", &hash);
     a->Visit("symmetries", &symmetries);
+    a->Visit("scanned", &scanned);
   }
 };
 
@@ -117,6 +145,60 @@ void CheckName(const std::string& name) {
   }
 }
 
+std::string ScannedLines(const Provenance& provenance, std::uint64_t full_hash) {
+  return fmt::format(
+      "scanned:\n  sensor: \"{}\"\n  scans: {}\n  coverage: {}\n  date: \"{}\"\n  time_ns: {}\n  "
+      "full_hash: \"{}\"\n",
+      provenance.sensor, provenance.scans, provenance.coverage, DateOf(provenance),
+      provenance.finished.time_since_epoch().count(), HexDigits(full_hash));
+}
+
+void CheckUntaken(const std::string& name, const fs::path& folder) {
+  CheckName(name);
+  if (!fs::exists(folder / name)) return;
+  Throw<ConfigError>(
+      "{}: there is a model of this name already; remove it first or choose another name",
+      (folder / name).string());
+}
+
+/// Makes the model's folder: `write` fills one that nobody reads, which is then renamed. Nothing
+/// stays of it when that throws.
+template <class Write>
+void MakeWhole(const std::string& name, const fs::path& folder, const Write& write) {
+  MakeWritableFolder(folder);
+  const fs::path unfinished = folder / ("." + name + ".unfinished");
+  std::error_code error;
+  fs::remove_all(unfinished, error);
+  try {
+    MakeWritableFolder(unfinished);
+    write(unfinished);
+    fs::rename(unfinished, folder / name, error);
+    if (error) {
+      Throw<ConfigError>("{}: cannot be made: {}", (folder / name).string(), error.message());
+    }
+  } catch (...) {
+    fs::remove_all(unfinished, error);
+    throw;
+  }
+}
+
+void CheckScanned(const ScannedModel& model) {
+  if (model.full.empty() || model.mesh.empty()) {
+    Throw<InvalidArgument>("model '{}': a scanned mesh has no triangle", model.name);
+  }
+  const Provenance& p = model.provenance;
+  const bool plain = std::all_of(p.sensor.begin(), p.sensor.end(), [](unsigned char c) {
+    return std::isprint(c) != 0 && c != '"' && c != '\\';
+  });
+  if (p.sensor.empty() || !plain || p.scans < 1 || !(p.coverage >= 0.0 && p.coverage <= 1.0) ||
+      p.finished < Time{}) {
+    Throw<InvalidArgument>(
+        "model '{}': made from {} scans by '{}' with a coverage of {}; it needs a sensor, a scan "
+        "and a coverage in 0..1",
+        model.name, p.scans, p.sensor, p.coverage);
+  }
+}
+
 }  // namespace
 
 DeclaredSymmetry ParseSymmetry(const std::string& text) {
@@ -151,6 +233,12 @@ std::string Text(const DeclaredSymmetry& symmetry) {
     if (d == Eigen::Vector3d::Unit(i)) text = std::string(1, static_cast<char>('x' + i));
   }
   return symmetry.fold == 0 ? text : fmt::format("{}:{}", text, symmetry.fold);
+}
+
+std::string DateOf(const Provenance& provenance) {
+  const auto since = provenance.finished.time_since_epoch();
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(since).count();
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(seconds)));
 }
 
 std::vector<fs::path> ModelFolders(const fs::path& folder) {
@@ -202,7 +290,25 @@ ObjectModel ReadModel(const fs::path& folder) {
     }
     model.hash = Fnv1a(symmetry, model.hash);
   }
+  if (metadata.scanned) {
+    const ScannedText& scanned = *metadata.scanned;
+    model.provenance = Provenance{scanned.sensor, scanned.scans, scanned.coverage,
+                                  Time(Duration(static_cast<Duration::rep>(scanned.time_ns)))};
+  }
   return model;
+}
+
+geometry::Mesh ReadFullMesh(const fs::path& folder) {
+  const Metadata metadata = ReadMetadata(folder / kMetadata);
+  if (!metadata.scanned) return ReadModel(folder).mesh;
+  const std::uint64_t hash = HashOf(folder / kFull, kMesh);
+  if (HexDigits(hash) != metadata.scanned->full_hash) {
+    Throw<ConfigError>(
+        "{}: its files have hash {} but were stored with {}: they have changed; remove the model "
+        "and scan the object anew",
+        (folder / kFull).string(), HexDigits(hash), metadata.scanned->full_hash);
+  }
+  return geometry::LoadMesh(folder / kFull / kMesh, geometry::LengthUnit::kMetre);
 }
 
 ObjectDatabase::ObjectDatabase(std::vector<ObjectModel> models) : models_(std::move(models)) {
@@ -236,25 +342,30 @@ const ObjectModel* ObjectDatabase::Find(const std::string& name) const {
 
 void AddModel(const fs::path& mesh_file, geometry::LengthUnit unit, const std::string& name,
               const fs::path& folder, const std::vector<DeclaredSymmetry>& symmetries) {
-  CheckName(name);
-  const fs::path target = folder / name;
-  if (fs::exists(target)) {
-    Throw<ConfigError>(
-        "{}: there is a model of this name already; remove it first or choose "
-        "another name",
-        target.string());
-  }
+  CheckUntaken(name, folder);
   const geometry::Mesh mesh = geometry::LoadMesh(mesh_file, unit);
-  MakeWritableFolder(folder);
-  const fs::path unfinished = folder / ("." + name + ".unfinished");
-  std::error_code error;
-  fs::remove_all(unfinished, error);
-  MakeWritableFolder(unfinished);
-  geometry::SaveObj(mesh, unfinished);
-  WriteFile(unfinished / kMetadata, MetadataText(name, HashOf(unfinished, "mesh.obj"), symmetries));
-  fs::rename(unfinished, target, error);
-  if (error) {
-    Throw<ConfigError>("{}: cannot be made: {}", target.string(), error.message());
+  MakeWhole(name, folder, [&](const fs::path& unfinished) {
+    geometry::SaveObj(mesh, unfinished);
+    WriteFile(unfinished / kMetadata, MetadataText(name, HashOf(unfinished, kMesh), symmetries));
+  });
+}
+
+void StoreModel(const ScannedModel& model, const fs::path& folder) {
+  CheckScanned(model);
+  CheckUntaken(model.name, folder);
+  MakeWhole(model.name, folder, [&](const fs::path& unfinished) {
+    geometry::SaveObj(model.mesh, unfinished);
+    geometry::SaveObj(model.full, unfinished / kFull);
+    WriteFile(unfinished / kMetadata,
+              MetadataText(model.name, HashOf(unfinished, kMesh), {}) +
+                  ScannedLines(model.provenance, HashOf(unfinished / kFull, kMesh)));
+  });
+}
+
+std::string UnusedName(const std::string& prefix, const fs::path& folder) {
+  for (int i = 1;; ++i) {
+    std::string name = fmt::format("{}_{}", prefix, i);
+    if (!fs::exists(folder / name)) return name;
   }
 }
 

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "lib/common/time.h"
 #include "lib/geometry/mesh.h"
 
 namespace secondlook::world {
@@ -25,6 +27,17 @@ DeclaredSymmetry ParseSymmetry(const std::string& text);
 /// As ParseSymmetry() reads it.
 std::string Text(const DeclaredSymmetry& symmetry);
 
+/// Where a model comes from that was made by scanning an object.
+struct Provenance {
+  std::string sensor;  ///< What scanned it, e.g. "striper".
+  int scans{};         ///< That it rests on, > 0.
+  double coverage{};   ///< Share of the surface that can be seen which they show, in [0, 1].
+  Time finished{};     ///< When it was stored, by the robot's clock.
+};
+
+/// Its time as a date, "2026-03-01T12:34:56Z". A simulated clock begins in 1970.
+std::string DateOf(const Provenance& provenance);
+
 /// One known object.
 struct ObjectModel {
   std::string name;
@@ -33,6 +46,7 @@ struct ObjectModel {
   std::uint64_t hash{};
   std::filesystem::path folder{};  ///< Where it was read from; empty: nowhere.
   std::vector<DeclaredSymmetry> symmetries{};
+  std::optional<Provenance> provenance{};  ///< Empty: its mesh was given.
 };
 
 /// The sub-folders of `folder` that hold a model, by name; those that AddModel has not finished are
@@ -45,9 +59,13 @@ std::vector<std::filesystem::path> ModelFolders(const std::filesystem::path& fol
 /// file that no longer has the hash it was added with.
 ObjectModel ReadModel(const std::filesystem::path& folder);
 
+/// The mesh with all its detail of the model in `folder`: of one that was scanned more than it is
+/// recognised by. @throws ConfigError as ReadModel() does.
+geometry::Mesh ReadFullMesh(const std::filesystem::path& folder);
+
 /// The objects the robot knows. On disk: a folder with one sub-folder per object that holds
-/// `model.yaml` {format: 1, name, mesh, unit, hash, symmetries} and the mesh file with what it
-/// refers to.
+/// `model.yaml` {format: 1, name, mesh, unit, hash, symmetries, scanned} and the mesh file with
+/// what it refers to. That of a scanned object also holds `full/mesh.obj`.
 class ObjectDatabase {
  public:
   ObjectDatabase() = default;
@@ -77,6 +95,23 @@ class ObjectDatabase {
 void AddModel(const std::filesystem::path& mesh_file, geometry::LengthUnit unit,
               const std::string& name, const std::filesystem::path& folder,
               const std::vector<DeclaredSymmetry>& symmetries = {});
+
+/// An object that was scanned.
+struct ScannedModel {
+  std::string name;
+  geometry::Mesh full;  ///< As it was scanned, in M [m].
+  geometry::Mesh mesh;  ///< The same with the detail that recognition needs.
+  Provenance provenance;
+};
+
+/// Adds `model` to the database in `folder`, as AddModel() does: whole or not at all.
+/// @throws InvalidArgument for a mesh without triangles or a provenance out of range; ConfigError
+/// for a name that is taken or is no plain file name, or when it cannot be written, e.g. on a full
+/// disk: then nothing is left of it.
+void StoreModel(const ScannedModel& model, const std::filesystem::path& folder);
+
+/// The first of "PREFIX_1", "PREFIX_2" … that no model in `folder` has, which need not exist.
+std::string UnusedName(const std::string& prefix, const std::filesystem::path& folder);
 
 /// Removes `name` from the database in `folder`. @throws ConfigError when there is none.
 void RemoveModel(const std::string& name, const std::filesystem::path& folder);

@@ -42,6 +42,15 @@ TEST_F(WatchedWorld, LeavesOutWhatIsHalfWrittenUntilItIsWhole) {
   EXPECT_EQ(watch_.Take().size(), 1U);
 }
 
+TEST_F(WatchedWorld, GivesAnObjectThatWasScannedMeanwhile) {
+  const geometry::Mesh mesh = geometry::MakeSphere(0.05, 12, {0.5F, 0.5F, 0.5F});
+  world::StoreModel({"ball", mesh, mesh, {"striper", 3, 0.8, Time(Seconds(60))}}, world_.models());
+  const std::vector<world::ObjectModel> models = watch_.Take();
+  ASSERT_EQ(models.size(), 1U);
+  EXPECT_EQ(models[0].name, "ball");
+  EXPECT_EQ(models[0].provenance->scans, 3);
+}
+
 TEST_F(WatchedWorld, LeavesOutWhatCannotBeRead) {
   Add("slab");
   WriteFile(world_.models() / "slab" / "model.yaml", "format: 9\n");

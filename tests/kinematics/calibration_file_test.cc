@@ -31,12 +31,14 @@ TEST(CalibrationFile, ReadsBackWhatIsWritten) {
   written.head.X_HC.translation() = Eigen::Vector3d(0.01, -0.02, 0.03);
   written.head.X_HC.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d(1, 2, 3).normalized()));
   written.X_EC = Pose(Eigen::Translation3d(0.06, 0.0, 0.03));
+  written.X_EL = Pose(Eigen::Translation3d(-0.06, 0.0, 0.04));
   written.residuals = CalibrationResiduals{12, 0.31, 0.4, 0.02};
   SaveCalibration(written, folder / "c.yaml");
   const Calibration read = LoadCalibration(folder / "c.yaml");
   EXPECT_TRUE(read.head.X_BH0.isApprox(written.head.X_BH0, 1e-9));
   EXPECT_TRUE(read.head.X_HC.isApprox(written.head.X_HC, 1e-9));
   EXPECT_TRUE(read.X_EC->isApprox(*written.X_EC, 1e-9));
+  EXPECT_TRUE(read.X_EL->isApprox(*written.X_EL, 1e-9));
   EXPECT_EQ(read.residuals->views, 12);
   EXPECT_EQ(read.residuals->degrees, 0.02);
 }

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "lib/hal/tap.h"
+#include "sim/sim_striper.h"
 #include "tests/hal/arm_contract.h"
 #include "tests/hal/base_contract.h"
 #include "tests/hal/camera_contract.h"
 #include "tests/hal/clock_contract.h"
+#include "tests/hal/laser_striper_contract.h"
 #include "tests/hal/pan_tilt_contract.h"
 #include "tests/sim/rig.h"
 
@@ -15,11 +17,23 @@ namespace {
 
 const auto kName = [](const auto& info) { return info.param.name; };
 
+constexpr int kHeld = 10;  // lines
+
+/// A robot with all that there is, something before its laser.
 std::shared_ptr<sim::SimulatedRobot> Make(bool noisy) {
   sim::SimConfig config;
   config.noise = noisy ? sim::NoiseConfig{} : sim::NoiseConfig::None();
   config.arm.emplace().urdf = "sim/robots/arm.urdf";
-  return sim::MakeShared(sim::FreeScene(), config, 3);
+  config.arm->striper.emplace().held = kHeld;
+  sim::Scene scene = sim::FreeScene();
+  const sim::ArmSetup arm = sim::LoadArm(*config.arm);
+  const Pose X_WL = ToPose(Pose2{0.0, 0.0, 20.0 / 180.0 * M_PI}) * arm.hand.arm.TipPose(arm.home) *
+                    arm.striper->X_EL;
+  sim::SceneBox target;
+  target.size = {0.1, 0.1, 0.1};
+  target.position = X_WL * Eigen::Vector3d(0.0, 0.0, 0.45);
+  scene.boxes.push_back(target);
+  return sim::MakeShared(scene, config, 3);
 }
 
 /// A simulated robot with an arm, its cameras as they were before anything was tapped.
@@ -68,6 +82,15 @@ const auto kHandCameraRig = [](const Simulated& s) {
 const auto kArmRig = [](const Simulated& s) {
   return hal::ArmRig{s.robot.clock.get(), s.robot.arm.get(), s.owner};
 };
+const auto kStriperRig = [](const Simulated& s) {
+  const auto striper = static_cast<sim::SimStriper*>(s.robot.striper.get());
+  return hal::StriperRig{s.robot.clock.get(),
+                         striper,
+                         [world = s.owner->world.get()] { return world->striper()->lit(); },
+                         kHeld,
+                         [striper] { striper->Lose(); },
+                         s.owner};
+};
 const auto kBaseRig = [](const Simulated& s) {
   return hal::BaseRig{s.robot.clock.get(), s.robot.base.get(), s.owner};
 };
@@ -89,6 +112,9 @@ INSTANTIATE_TEST_SUITE_P(SimHand, CameraContract,
                          kName);
 INSTANTIATE_TEST_SUITE_P(Sim, ArmContract,
                          ::testing::ValuesIn(CleanNoisyAndTapped<ArmFactory>(kArmRig)), kName);
+INSTANTIATE_TEST_SUITE_P(Sim, LaserStriperContract,
+                         ::testing::ValuesIn(CleanNoisyAndTapped<StriperFactory>(kStriperRig)),
+                         kName);
 INSTANTIATE_TEST_SUITE_P(Sim, BaseContract,
                          ::testing::ValuesIn(CleanNoisyAndTapped<BaseFactory>(kBaseRig)), kName);
 INSTANTIATE_TEST_SUITE_P(Sim, PanTiltContract,

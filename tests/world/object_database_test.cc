@@ -1,5 +1,8 @@
 #include "lib/world/object_database.h"
 
+#include <sys/resource.h>
+
+#include <csignal>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -194,6 +197,96 @@ TEST(ObjectDatabase, RefusesTwoModelsOfOneName) {
 TEST(AddModel, RefusesTheNameThatMeansNoModel) {
   EXPECT_THROWS(AddModel("any.obj", geometry::LengthUnit::kMetre, "unknown", "any"), ConfigError,
                 "model name 'unknown' is what an object is called that no model fits");
+}
+
+/// A ball that was scanned, with more detail than it is recognised by.
+ScannedModel Ball(const std::string& name) {
+  using geometry::MakeSphere;
+  return {name,
+          MakeSphere(0.05, 60, {0.2F, 0.4F, 0.6F}),
+          MakeSphere(0.05, 12, {0.2F, 0.4F, 0.6F}),
+          {"striper", 7, 0.925, Time(Seconds(1'772'368'496.25))}};
+}
+
+/// No file grows beyond `bytes` while this lives, as on a disk that is full.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limited{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limited);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST_F(ObjectDatabaseFolder, KeepsAScannedObjectWithWhereItComesFrom) {
+  StoreModel(Ball("ball"), models_);
+  const ObjectDatabase database = ObjectDatabase::Load(models_);
+  ASSERT_EQ(database.models().size(), 1U);
+  const ObjectModel& ball = database.models()[0];
+  EXPECT_EQ(ball.mesh.triangles.size(), Ball("").mesh.triangles.size());
+  EXPECT_EQ(ReadFullMesh(models_ / "ball").triangles.size(), Ball("").full.triangles.size());
+  ASSERT_TRUE(ball.provenance.has_value());
+  EXPECT_EQ(ball.provenance->sensor, "striper");
+  EXPECT_EQ(ball.provenance->scans, 7);
+  EXPECT_EQ(ball.provenance->coverage, 0.925);
+  EXPECT_EQ(ball.provenance->finished, Time(Seconds(1'772'368'496.25)));
+  EXPECT_EQ(DateOf(*ball.provenance), "2026-03-01T12:34:56Z");  // date -d @1772368496
+}
+
+TEST_F(ObjectDatabaseFolder, AGivenMeshIsAllThatThereIsOfIt) {
+  Add("pyramid");
+  EXPECT_FALSE(ReadModel(models_ / "pyramid").provenance.has_value());
+  EXPECT_EQ(ReadFullMesh(models_ / "pyramid").triangles.size(), 4U);
+}
+
+TEST_F(ObjectDatabaseFolder, AScannedObjectDoesNotReplaceAnother) {
+  Add("ball");
+  EXPECT_THROWS(StoreModel(Ball("ball"), models_), ConfigError,
+                "ball: there is a model of this name already; remove it first");
+  EXPECT_EQ(ReadModel(models_ / "ball").mesh.triangles.size(), 4U);
+  EXPECT_EQ(UnusedName("object", models_), "object_1");
+  StoreModel(Ball("object_1"), models_);
+  EXPECT_EQ(UnusedName("object", models_), "object_2");
+  EXPECT_EQ(UnusedName("object", root_ / "none"), "object_1");
+}
+
+TEST_F(ObjectDatabaseFolder, NothingIsLeftOfAModelForWhichTheDiskHadNoRoom) {
+  StoreModel(Ball("first"), models_);
+  {
+    const FullDisk disk(60'000);  // room for the coarse mesh, not for the full one
+    EXPECT_THROWS(StoreModel(Ball("second"), models_), ConfigError, "full/mesh.obj: cannot be");
+  }
+  EXPECT_EQ(ModelFolders(models_).size(), 1U);
+  EXPECT_EQ(std::distance(fs::directory_iterator(models_), fs::directory_iterator()), 1);
+  StoreModel(Ball("second"), models_);  // as soon as there is room
+  EXPECT_EQ(ObjectDatabase::Load(models_).models().size(), 2U);
+}
+
+TEST_F(ObjectDatabaseFolder, RefusesAFullMeshThatHasChanged) {
+  StoreModel(Ball("ball"), models_);
+  Edit(models_ / "ball" / "full" / "mesh.obj", "f ", "\nf ");
+  EXPECT_THROWS(ReadFullMesh(models_ / "ball"), ConfigError, "full: its files have hash");
+  EXPECT_NO_THROW(ReadModel(models_ / "ball"));
+}
+
+TEST_F(ObjectDatabaseFolder, RefusesAScannedModelThatIsNone) {
+  ScannedModel model = Ball("ball");
+  model.provenance.scans = 0;
+  EXPECT_THROWS(StoreModel(model, models_), InvalidArgument,
+                "model 'ball': made from 0 scans by 'striper' with a coverage of 0.925");
+  model = Ball("ball");
+  model.full = {};
+  EXPECT_THROWS(StoreModel(model, models_), InvalidArgument, "has no triangle");
+  EXPECT_THROWS(StoreModel(Ball("a/b"), models_), ConfigError, "no plain file name");
+  EXPECT_FALSE(fs::exists(models_));
 }
 
 }  // namespace

@@ -1,0 +1,86 @@
+#include "lib/perception/coverage.h"
+
+#include <algorithm>
+
+#include "lib/geometry/mesh_border.h"
+
+namespace secondlook::perception {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A cap is not thought to open by more than this: cos α of 120 degrees.
+constexpr double kMinCosine = -0.5;
+/// The direction of a jagged border is that between so many vertices before and behind.
+constexpr int kStretch = 3;
+
+}  // namespace
+
+Coverage EstimateCoverage(const world::PartialMesh& surface, const world::SupportPlane& plane_W,
+                          double footing) {
+  Coverage coverage;
+  const auto vertex = [&](int i) { return Vector3d(surface.mesh.vertices[i].cast<double>()); };
+  for (const Eigen::Vector3i& t : surface.mesh.triangles) {
+    const Vector3d a = vertex(t[0]);
+    coverage.filled += 0.5 * (vertex(t[1]) - a).cross(vertex(t[2]) - a).norm();
+  }
+  for (const std::vector<int>& loop : geometry::BorderLoops(surface.mesh)) {
+    const int count = static_cast<int>(loop.size());
+    const auto at = [&](int i) { return vertex(loop[(i % count + count) % count]); };
+    Vector3d middle = Vector3d::Zero();
+    double length = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const double edge = (at(i + 1) - at(i)).norm();
+      middle += 0.5 * edge * (at(i + 1) + at(i));
+      length += edge;
+    }
+    if (!(length > 0.0)) continue;
+    middle /= length;
+    for (int i = 0; i < count; ++i) {
+      const Vector3d a = at(i);
+      const Vector3d b = at(i + 1);
+      const double area = 0.5 * (a - middle).cross(b - middle).norm();
+      coverage.holes += area;
+      if (std::max(plane_W.HeightOf(a), plane_W.HeightOf(b)) < footing) continue;
+      const Vector3d along = (at(i + 1 + kStretch) - at(i - kStretch)).normalized();
+      const Vector3d outward = along.cross(surface.normals[loop[i]].cast<double>()).normalized();
+      Vector3d inward = middle - 0.5 * (a + b);
+      inward -= inward.dot(along) * along;
+      const double cosine = inward.norm() > 0.0 ? outward.dot(inward.normalized()) : 1.0;
+      coverage.unseen += area * 2.0 / (1.0 + std::max(cosine, kMinCosine));
+    }
+  }
+  return coverage;
+}
+
+world::PartialMesh Above(const world::PartialMesh& surface, const world::SupportPlane& plane_W,
+                         double height) {
+  world::PartialMesh above;
+  above.mesh.materials = surface.mesh.materials;
+  const bool colored = !surface.mesh.vertex_colors.empty();
+  std::vector<char> high(surface.mesh.vertices.size(), 0);
+  for (std::size_t i = 0; i < high.size(); ++i) {
+    high[i] = plane_W.HeightOf(surface.mesh.vertices[i].cast<double>()) > height ? 1 : 0;
+  }
+  std::vector<int> index(high.size(), -1);
+  for (const Eigen::Vector3i& t : surface.mesh.triangles) {
+    if (high[t[0]] == 0 || high[t[1]] == 0 || high[t[2]] == 0) continue;
+    Eigen::Vector3i triangle;
+    for (int k = 0; k < 3; ++k) {
+      int& i = index[t[k]];
+      if (i < 0) {
+        i = static_cast<int>(above.mesh.vertices.size());
+        above.mesh.vertices.push_back(surface.mesh.vertices[t[k]]);
+        above.normals.push_back(surface.normals[t[k]]);
+        above.density.push_back(surface.density[t[k]]);
+        if (colored) above.mesh.vertex_colors.push_back(surface.mesh.vertex_colors[t[k]]);
+      }
+      triangle[k] = i;
+    }
+    above.mesh.triangles.push_back(triangle);
+  }
+  above.mesh.triangle_material.assign(above.mesh.triangles.size(), 0);
+  return above;
+}
+
+}  // namespace secondlook::perception
