@@ -34,7 +34,8 @@ Json ToJson(const ModelledScan& scan) {
           {"estimated_reached", scan.estimated_reached},
           {"rms_mm", 1000.0 * scan.rms},
           {"density", scan.density},
-          {"gain", scan.gain}};
+          {"gain", scan.gain},
+          {"refused", scan.refused}};
 }
 
 /// The first scan of which `key` is at least `share`, from 0; the last when none is.

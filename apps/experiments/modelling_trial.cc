@@ -168,18 +168,19 @@ Model StartModel(const CutPhoto& cut, const Pose& X_WC) {
           {}};
 }
 
-void AddScan(const Photo& photo, const geometry::CameraModel& camera, const Pose& nominal_X_WC,
-             const sim::NoiseConfig& noise, Model* model) {
+/// Returns why its registration was refused; empty when it was not.
+std::string AddScan(const Photo& photo, const geometry::CameraModel& camera,
+                    const Pose& nominal_X_WC, const sim::NoiseConfig& noise, Model* model) {
   world::RangeScan scan =
       ScanOf(photo.frame.depth, camera, nominal_X_WC, model->volume.box_W(), noise);
-  if (scan.empty()) return;
+  if (scan.empty()) return "it shows nothing";
   world::ScanPatches patches = world::CutIntoPatches(scan, model->volume.patch());
   Pose X_WC = nominal_X_WC;
   if (!model->all.mesh.empty()) {
     perception::RegisteredScan registered =
         perception::RegisterScan(std::move(scan), std::move(patches), model->all, kVoxel,
                                  perception::ScanRegisterConfig(kVoxel));
-    if (!registered.registration.accepted) return;  // nothing can be said of what it shows
+    if (!registered.registration.accepted) return registered.registration.reason;
     scan = std::move(registered.scan);
     patches = std::move(registered.patches);
     Pose nominal = Pose::Identity();
@@ -193,6 +194,7 @@ void AddScan(const Photo& photo, const geometry::CameraModel& camera, const Pose
   model->leaps.Refresh(model->grid);
   model->all = model->volume.Extract();
   model->surface = perception::Above(model->all, model->plane_W, kStands);
+  return {};
 }
 
 /// A next scan, and what part of the model's surface it was expected to add.
@@ -346,7 +348,7 @@ std::vector<ModelledScan> ModellingTrial::Follow(const std::string& planner, int
       if (cut && !cut->clusters.empty()) model = StartModel(*cut, nominal_X_WC);
     }
     if (model) {
-      AddScan(photo, camera_.info().model, nominal_X_WC, noise, &*model);
+      now.refused = AddScan(photo, camera_.info().model, nominal_X_WC, noise, &*model);
       const world::PartialMesh& surface = model->surface;
       const perception::Coverage coverage =
           perception::EstimateCoverage(surface, model->plane_W, kFooting);

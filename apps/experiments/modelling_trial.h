@@ -24,6 +24,7 @@ struct ModelledScan {
   double rms{};      ///< Distance of the model's vertices from the truth, once aligned [m].
   double density{};  ///< Relative point density, the mean over the vertices.
   double gain{};     ///< Share of its surface that "ours" expected of this scan; 0 for the others.
+  std::string refused;  ///< Why its registration was refused; empty: it was not.
 };
 
 /// An object by itself on a table, scanned by the depth camera of the design wherever a planner
