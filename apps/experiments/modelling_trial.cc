@@ -115,9 +115,12 @@ world::RangeScan ScanOf(const cv::Mat& depth, const geometry::CameraModel& camer
     scan.sigmas.push_back(static_cast<float>(geometry::DepthSigma(p_CP.z())));
   }
   scan.lines = {{X_WC.translation(), static_cast<int>(scan.points_W.size())}};
-  // The first scan erred as well, and defines the map.
-  scan.position_sigma = 2.0 * std::hypot(noise.arm_sigma, noise.hand_eye_sigma);
-  scan.rotation_sigma = 2.0 * std::hypot(noise.arm_sigma_deg, noise.hand_eye_sigma_deg) * kDegree;
+  // The first scan erred as well, and defines the map; what is fixed to the camera errs to the
+  // other side from there.
+  scan.position_sigma =
+      std::hypot(std::numbers::sqrt2 * noise.arm_sigma, 2.0 * noise.hand_eye_sigma);
+  scan.rotation_sigma = kDegree * std::hypot(std::numbers::sqrt2 * noise.arm_sigma_deg,
+                                             2.0 * noise.hand_eye_sigma_deg);
   return scan;
 }
 
