@@ -37,6 +37,7 @@ constexpr Experiment kExperiments[] = {
     {"recognised-objects", RunRecognisedObjectsExperiment, 200, 0},
     {"search", RunSearchExperiment, 200, 0},
     {"sensors", RunSensorsExperiment, 25, 0},
+    {"modelling", RunModellingExperiment, 50, 0},
 };
 
 /// The names of all, in words.

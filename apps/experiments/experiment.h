@@ -116,5 +116,9 @@ void RunSearchExperiment(const ExperimentOptions& options);
 /// baseline is OpenCV's PPF3DDetector with its ICP on the same cluster.
 /// @throws ConfigError for a folder of models that cannot be read.
 void RunPpfPeersExperiment(const ExperimentOptions& options);
+/// Things modelled by scans from planned views, as in Sections III-B, III-D and IV-B of Kriegel
+/// 2013. A trial is an object by itself on a table, of the known and the unfamiliar ones in turn.
+/// @throws ConfigError for a folder of models that cannot be read.
+void RunModellingExperiment(const ExperimentOptions& options);
 
 }  // namespace secondlook::apps

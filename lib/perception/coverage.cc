@@ -9,8 +9,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A cap is not thought to open by more than this: cos α of 120 degrees.
-constexpr double kMinCosine = -0.5;
+/// A surface that still opens where it ends is thought to have reached its widest place there.
+constexpr double kMinCosine = 0.0;
 /// The direction of a jagged border is that between so many vertices before and behind.
 constexpr int kStretch = 3;
 

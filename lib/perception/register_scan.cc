@@ -1,5 +1,6 @@
 #include "lib/perception/register_scan.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "lib/common/error.h"
@@ -16,6 +17,8 @@ constexpr std::size_t kMostVertices = 20000;
 constexpr double kCell = 5.0 / 3.0;
 /// Within the surface the nearest of its points is not farther away than this, in cells.
 constexpr double kSlide = 1.5;
+/// What holds a direction firmly, in times of what holds it at all.
+constexpr double kFirm = 10.0;
 
 std::size_t Stride(std::size_t count, std::size_t most) { return (count + most - 1) / most; }
 
@@ -68,9 +71,15 @@ RegisteredScan RegisterScan(world::RangeScan scan, world::ScanPatches patches,
     const world::ScanPatch& patch = patches.patches[i];
     points_C.push_back({patch.p_W - p_WC, patch.normal_W, patch.sigma});
   }
+  const ReferenceCloud reference = Reference(surface, voxel);
   RegisteredScan result;
-  result.registration =
-      RegisterView(points_C, Reference(surface, voxel), nominal_X_WC, covariance, config);
+  result.registration = RegisterView(points_C, reference, nominal_X_WC, covariance, config);
+  if (!result.registration.accepted) {  // it slid where little held it
+    RegisterConfig firm = config;
+    firm.min_constraint = std::min(1.0, kFirm * config.min_constraint);
+    const ViewRegistration held = RegisterView(points_C, reference, nominal_X_WC, covariance, firm);
+    if (held.accepted) result.registration = held;
+  }
   if (result.registration.accepted) {
     const Pose move = result.registration.X_WC * nominal_X_WC.inverse();
     for (Vector3d& p_W : scan.points_W) p_W = move * p_W;

@@ -23,6 +23,8 @@ struct RegisteredScan {
 /// point-to-plane ICP over the scan's patches, with the poses' sigmas of the scan as what is known
 /// of its nominal place. What the surface does not hold (turns of a can about its axis) stays as
 /// the poses say.
+/// When the poses contradict the result, it is tried again by the directions alone that are held
+/// ten times as firmly as `config` asks for.
 /// @throws InvalidArgument for a surface without vertices, a scan without points or with sigmas of
 /// its poses that are 0; otherwise as RegisterView().
 RegisteredScan RegisterScan(world::RangeScan scan, world::ScanPatches patches,
