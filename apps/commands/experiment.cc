@@ -36,6 +36,7 @@ constexpr Experiment kExperiments[] = {
     {"moving-obstacles", RunMovingObstaclesExperiment, 200, 0},
     {"recognised-objects", RunRecognisedObjectsExperiment, 200, 0},
     {"search", RunSearchExperiment, 200, 0},
+    {"faults", RunFaultsExperiment, 300, 0},
 };
 
 /// The names of all, in words.
