@@ -41,6 +41,12 @@ void RequireSlow(const std::string& device, double speed, double limit, const ch
       device, speed, unit, key, limit);
 }
 
+/// @throws ProtocolError when what `device` says of itself is not `finite`.
+void RequireFinite(bool finite, const std::string& device, const char* what) {
+  if (finite) return;
+  Throw<ProtocolError>("{}: {} not finite; check what measures it", device, what);
+}
+
 /// What all guarded actuators have in common: what keeps a motion from being begun, and how the
 /// last one went.
 class Gate {
@@ -90,7 +96,16 @@ class GuardedBase : public Base {
       : base_(std::move(base)), config_(guard->config()), gate_(std::move(gate)) {}
 
   const BaseInfo& info() const override { return base_->info(); }
-  BaseState State() override { return base_->State(); }
+
+  BaseState State() override {
+    const BaseState state = base_->State();
+    const auto finite = [](const Pose2& pose) {
+      return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
+    };
+    RequireFinite(finite(state.X_WB) && finite(state.X_OB), "base '" + info().name + "'",
+                  "its pose is");
+    return state;
+  }
 
   void Start(const BasePath& path) override {
     broken_.clear();
@@ -103,7 +118,7 @@ class GuardedBase : public Base {
   MotionStatus Status() override {
     MotionStatus status = gate_.Answer([&] { return base_->Status(); });
     if (status.phase == MotionPhase::kMoving && broken_.empty()) {
-      broken_ = Broken(base_->State());
+      broken_ = Broken(State());
       if (!broken_.empty()) base_->Stop();
     }
     if (broken_.empty() || status.phase == MotionPhase::kMoving) return status;
@@ -168,7 +183,12 @@ class GuardedPanTilt : public PanTilt {
       : head_(std::move(head)), gate_(std::move(gate)) {}
 
   const PanTiltInfo& info() const override { return head_->info(); }
-  PanTiltState State() override { return head_->State(); }
+  PanTiltState State() override {
+    const PanTiltState state = head_->State();
+    RequireFinite(std::isfinite(state.angles.pan) && std::isfinite(state.angles.tilt),
+                  "pan-tilt '" + info().name + "'", "its angles are");
+    return state;
+  }
   void Start(const PanTiltAngles& target) override {
     gate_.Begin(
         "", [&] { head_->Start(target); }, [&] { head_->Stop(); });
@@ -188,7 +208,13 @@ class GuardedArm : public Arm {
   GuardedArm(std::unique_ptr<Arm> arm, Gate gate) : arm_(std::move(arm)), gate_(std::move(gate)) {}
 
   const ArmInfo& info() const override { return arm_->info(); }
-  ArmState State() override { return arm_->State(); }
+  ArmState State() override {
+    ArmState state = arm_->State();
+    const bool whole = state.q.size() == std::ssize(info().joints);
+    RequireFinite(whole && state.q.allFinite(), "arm '" + info().name + "'",
+                  "its joint angles are missing or");
+    return state;
+  }
   void Start(const JointTrajectory& trajectory) override {
     gate_.Begin(
         "", [&] { arm_->Start(trajectory); }, [&] { arm_->Stop(); });

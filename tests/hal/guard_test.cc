@@ -182,6 +182,20 @@ TEST(Guard, LetsWhatHasEndedLapseNoMore) {
   EXPECT_EQ(guarded.guard.Lapsed(), "");
 }
 
+TEST(Guard, LetsNoStateThroughThatIsNotFinite) {
+  Guarded guarded;
+  EXPECT_NO_THROW(guarded.robot.base->State());
+  guarded.world.X_WB.yaw = NAN;
+  guarded.world.angles.pan = INFINITY;
+  guarded.world.q[1] = NAN;
+  EXPECT_THROWS(guarded.robot.base->State(), ProtocolError,
+                "base 'wheels': its pose is not finite; check what measures it");
+  EXPECT_THROWS(guarded.robot.head->State(), ProtocolError,
+                "pan-tilt 'neck': its angles are not finite");
+  EXPECT_THROWS(guarded.robot.arm->State(), ProtocolError,
+                "arm 'limb': its joint angles are missing or not finite");
+}
+
 TEST(GuardConfig, NamesWhatIsWrong) {
   const auto refused = [](const std::function<void(GuardConfig*)>& change) {
     GuardConfig config;
