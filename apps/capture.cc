@@ -36,7 +36,7 @@ void Capturer::Poll() {
   const hal::PanTiltState head = robot_->head->State();
   X_WB_.Add(base.time, ToPose(base.X_WB));
   X_BC_.Add(head.time, CameraInBase(calibration_, {head.angles.pan, head.angles.tilt}));
-  if (!hand_) return;
+  if (!hand_ || arm_lost_) return;
   hal::ArmState arm = robot_->arm->State();
   if (!arm_states_.empty() && arm.time <= arm_states_.back().time) return;
   arm_states_.push_back(std::move(arm));
@@ -73,7 +73,12 @@ std::optional<Capture> Capturer::Take(Duration timeout, world::LookWay way) {
   return At(*frame, camera.info(), way);
 }
 
+Eigen::VectorXd Capturer::ArmNow() const {
+  return arm_lost_ ? arm_states_.back().q : robot_->arm->State().q;
+}
+
 Eigen::VectorXd Capturer::ArmAt(Time time) const {
+  if (arm_lost_) return arm_states_.back().q;
   const auto after =
       std::lower_bound(arm_states_.begin(), arm_states_.end(), time,
                        [](const hal::ArmState& state, Time t) { return state.time < t; });

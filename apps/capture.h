@@ -36,6 +36,13 @@ class Capturer {
   /// The robot's arm is this one, and its body moves with it. @pre the robot has an arm.
   void KnowArm(const kinematics::EyeInHand& hand) { hand_ = hand; }
 
+  /// The arm is lost: it is not asked any more, and taken to be where it was last. False when it
+  /// has never said where that is.
+  bool LoseArm() { return arm_lost_ = !arm_states_.empty(); }
+
+  /// Where the arm is, as it says, or has said last [rad]. @pre the arm is known.
+  Eigen::VectorXd ArmNow() const;
+
   /// Notes where base, head and arm are now. To be called often while they move.
   void Poll();
 
@@ -55,6 +62,7 @@ class Capturer {
   PoseHistory X_WB_;
   PoseHistory X_BC_;
   std::optional<kinematics::EyeInHand> hand_;
+  bool arm_lost_{};
   std::deque<hal::ArmState> arm_states_;  // of the last while, by time
 };
 

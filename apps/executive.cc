@@ -5,6 +5,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -12,6 +13,7 @@
 #include "apps/stop_signal.h"
 #include "apps/to_message.h"
 #include "lib/common/error.h"
+#include "lib/common/service_manager.h"
 #include "lib/transport/channels.h"
 
 #include "second_look/command_t.hpp"
@@ -31,6 +33,8 @@ using std::chrono::system_clock;
 constexpr milliseconds kTick{10};
 constexpr milliseconds kStatusPeriod{500};
 constexpr milliseconds kMaxDrain{5'000};
+/// A service manager that watches for less than three times as long is told too seldom.
+constexpr milliseconds kSignOfLife{500};
 /// A default socket buffer holds one of our largest messages, so a listener has 100 ms to take it …
 constexpr double kBytesPerSecond = 1e6;
 /// … and 1 ms for the smallest, as what it queues is counted in messages.
@@ -71,6 +75,17 @@ std::optional<world::Task> Executive::TakeTask() {
   return std::exchange(task_, std::nullopt);
 }
 
+bool Executive::WaitUntilCleared() {
+  while (stop_requested_ && !stopped_for_good_) std::this_thread::sleep_for(kTick);
+  return !StopRequested();
+}
+
+void Executive::WaitForConfirmation() {
+  wants_confirmation_ = true;
+  while (wants_confirmation_ && !StopRequested()) std::this_thread::sleep_for(kTick);
+  wants_confirmation_ = false;
+}
+
 void Executive::RejectTask(const std::string& why) const {
   parts_.bus->Reject(channel::kTask, why);
 }
@@ -78,10 +93,7 @@ void Executive::RejectTask(const std::string& why) const {
 void Executive::Listen() {
   parts_.bus->Listen(channel::kCommand, [this](const transport::Message& message) {
     const auto command = transport::Decode<second_look::command_t>(message);
-    if (command.command != second_look::command_t::STOP) {
-      Throw<ProtocolError>("there is no command {}", command.command);
-    }
-    Stop(fmt::format("a command: '{}'", command.reason));
+    Command(command.command, command.reason);
   });
   parts_.bus->Listen(channel::kTask, [this](const transport::Message& message) {
     if (!parts_.takes_tasks) {
@@ -99,22 +111,67 @@ void Executive::Listen() {
   }
 }
 
-void Executive::Run() {
+void Executive::Command(int command, const std::string& reason) {
+  using second_look::command_t;
+  if (command != command_t::STOP && !parts_.takes_tasks) {
+    Throw<ProtocolError>(
+        "no command but STOP is taken from beyond this host; --remote-tasks "
+        "allows it");
+  }
+  commander_heard_ = steady_clock::now();  // whatever it wants
+  switch (command) {
+    case command_t::STOP:
+      Stop(fmt::format("a command: '{}'", reason), false);
+      return;
+    case command_t::CLEAR:
+      if (!parts_.safety.wait_after_stop) {
+        Throw<ProtocolError>("a stop ends the mission; nothing is to be cleared");
+      }
+      if (!stop_requested_) Throw<ProtocolError>("there is no stop to be cleared");
+      if (stopped_for_good_) Throw<ProtocolError>("this stop is for good; start a new mission");
+      if (parts_.guard != nullptr) parts_.guard->Clear();
+      stop_requested_ = false;
+      spdlog::warn("the stop is cleared by a command: '{}'", reason);
+      return;
+    case command_t::ALIVE:
+      return;
+    case command_t::CONFIRM:
+      if (!wants_confirmation_.exchange(false)) {
+        Throw<ProtocolError>("no look waits for a confirmation");
+      }
+      return;
+    default:
+      Throw<ProtocolError>("there is no command {}", command);
+  }
+}
+
+/// A fault of this thread must not leave a robot that moves and that nobody can stop.
+void Executive::Run() try { Work(); } catch (const std::exception& error) {
+  Stop(fmt::format("a fault of the program: {}", error.what()), true);
+}
+
+void Executive::Work() {
   GoAhead();
   next_status_ = steady_clock::now();
+  commander_heard_ = next_status_;
+  TellServiceManager(true);
   std::optional<WallTime> deadline;
   while (true) {
     if (finishing_ && !deadline) deadline = steady_clock::now() + kMaxDrain;
     if (deadline && (parts_.outbox->Empty() || steady_clock::now() >= *deadline)) break;
     Wait();
     StopOnSignal();
+    StopOnLapse();
+    if (steady_clock::now() >= next_sign_of_life_) TellServiceManager(false);
     if (parts_.bus == nullptr) continue;
     parts_.bus->Handle();
+    StopOnSilence();
     WarnOfRejection();
     if (steady_clock::now() >= next_send_) SendNext();
     if (steady_clock::now() >= next_status_) SendStatus();
   }
   if (parts_.bus != nullptr) SendStatus();
+  NotifyServiceManager("STOPPING=1");
 }
 
 /// Until there is something to do, a tick at most.
@@ -133,13 +190,42 @@ void Executive::Wait() const {
 void Executive::StopOnSignal() {
   if (signal_seen_ || StopSignal() == 0) return;
   signal_seen_ = true;
-  Stop(fmt::format("signal {}", StopSignal()));
+  Stop(fmt::format("signal {}", StopSignal()), true);
 }
 
-void Executive::Stop(const std::string& why) {
+void Executive::StopOnLapse() {
+  if (parts_.guard == nullptr || stop_requested_) return;
+  const std::string device = parts_.guard->Lapsed();
+  if (device.empty()) return;
+  Stop(fmt::format("{}: it moves, and for {} s the mission has not asked how far it is", device,
+                   parts_.guard->config().lapse_seconds),
+       true);
+}
+
+void Executive::StopOnSilence() {
+  if (parts_.safety.heartbeat_seconds == 0.0 || stop_requested_) return;
+  const duration<double> silent = steady_clock::now() - commander_heard_;
+  if (silent.count() <= parts_.safety.heartbeat_seconds) return;
+  Stop(fmt::format("the lost heartbeat of its commander: nothing on {} for {:.1f} s, "
+                   "safety.heartbeat_seconds is {}",
+                   channel::kCommand, silent.count(), parts_.safety.heartbeat_seconds),
+       false);
+}
+
+/// @param for_good No command can clear it.
+void Executive::Stop(const std::string& why, bool for_good) {
+  if (for_good) stopped_for_good_ = true;
   stop_requested_ = true;  // first, so that the mission starts nothing anew
+  if (parts_.guard != nullptr) parts_.guard->Hold(why);
   parts_.robot->Stop();
   spdlog::warn("the robot is stopped by {}", why);
+}
+
+void Executive::TellServiceManager(bool ready) {
+  next_sign_of_life_ = steady_clock::now() + kSignOfLife;
+  const Activity activity = parts_.publisher->activity();
+  NotifyServiceManager(fmt::format("{}WATCHDOG=1\nSTATUS={}: {}", ready ? "READY=1\n" : "",
+                                   activity.phase, activity.detail));
 }
 
 void Executive::SendNext() {

@@ -10,6 +10,8 @@
 
 #include "apps/device_health.h"
 #include "apps/publisher.h"
+#include "apps/safety_config.h"
+#include "lib/hal/guard.h"
 #include "lib/hal/robot.h"
 #include "lib/transport/lcm_bus.h"
 #include "lib/transport/outbox.h"
@@ -26,14 +28,18 @@ struct ExecutiveParts {
   const DeviceHealth* health{};  ///< How its devices are.
   std::function<std::string()> recording{};  ///< As status_t has it; may be empty.
   bool takes_tasks{true};                    ///< Over the bus; stops are always taken.
+  hal::Guard* guard{};    ///< That `robot` is behind, to hold it after a stop; null: none.
+  SafetyConfig safety{};  ///< Of its `limits` the guard knows.
 };
 
 /// The thread that must never wait, so that the robot can be seen and stopped while the mission
 /// thinks for seconds. It
 /// - sends what is in the outbox, at a pace that default socket buffers can follow;
 /// - sends STATUS at 2 Hz of wall time;
-/// - on SECONDLOOK_COMMAND stop, and on SIGINT, SIGTERM or SIGHUP, makes the robot stand still at
-///   once and asks the mission to end;
+/// - on SECONDLOOK_COMMAND STOP, on SIGINT, SIGTERM or SIGHUP, when the commander's heartbeat is
+///   lost, when a motion lapses and when it fails itself, makes the robot stand still at once,
+///   holds it there and asks the mission to end;
+/// - tells the service manager that the process is ready, and that it lives;
 /// - keeps the task that came in last for the mission to take, between two steps.
 /// Threading: all functions from one thread, the mission's.
 class Executive {
@@ -51,6 +57,13 @@ class Executive {
   /// True once a signal or a command has asked for a stop.
   bool StopRequested() const;
 
+  /// Waits until a command clears the stop. False when something else has stopped the robot, or
+  /// does so meanwhile: then it is for good.
+  bool WaitUntilCleared();
+
+  /// Waits until somebody confirms the look that was told last, or the robot is stopped.
+  void WaitForConfirmation();
+
   /// The task that came in last, once.
   std::optional<world::Task> TakeTask();
 
@@ -63,8 +76,13 @@ class Executive {
   void Listen();
   void Run();
   void Wait() const;
+  void Work();
   void StopOnSignal();
-  void Stop(const std::string& why);
+  void StopOnSilence();
+  void StopOnLapse();
+  void Command(int command, const std::string& reason);
+  void Stop(const std::string& why, bool for_good);
+  void TellServiceManager(bool ready);
   void SendNext();
   void SendStatus();
   void WarnOfRejection();
@@ -72,9 +90,13 @@ class Executive {
   ExecutiveParts parts_;
   WallTime next_send_{};
   WallTime next_status_{};
+  WallTime next_sign_of_life_{};
+  WallTime commander_heard_{};
   bool signal_seen_{};
   bool warned_of_rejection_{};
   std::atomic<bool> stop_requested_{false};
+  std::atomic<bool> stopped_for_good_{false};  // by anything but a command
+  std::atomic<bool> wants_confirmation_{false};
   std::atomic<bool> finishing_{false};
   mutable std::mutex mutex_;  // of the two below
   std::optional<world::Task> task_;

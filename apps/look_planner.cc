@@ -33,6 +33,13 @@ Eigen::AlignedBox3d WithBody(const Eigen::AlignedBox3d& box) {
   return {box.center() - half, box.center() + half};
 }
 
+/// The arm is lost out of the cylinder that the base drives as.
+void RefuseToDrive(world::Look* look) {
+  if (look->path_W.empty() || !look->feasible) return;
+  look->feasible =
+      planning::AddCheck("arm folded", false, "the arm is lost, and not folded: no driving", look);
+}
+
 }  // namespace
 
 Eigen::AlignedBox3d PlacedBox(const geometry::Mesh& mesh, const Pose& X_WM) {
@@ -75,7 +82,8 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
 
   const planning::CommonGround ground(scene.reference().Points(), registration_);
   std::optional<planning::ArmCollision> around_arm;
-  if (arm_ && !targets.empty()) around_arm = arm_->CollisionAt(stance, space, supports_W);
+  if (arm_ && arm_looks_ && !targets.empty())
+    around_arm = arm_->CollisionAt(stance, space, supports_W);
   const hal::JointTrajectory folding = arm_ ? arm_->Folding(stance.q) : hal::JointTrajectory{};
   std::vector<world::Look> looks;
   std::vector<int> target_of;  // one a look
@@ -92,11 +100,15 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
       views.push_back(std::move(view));
     }
     for (world::Look& view : views) {
+      if (arm_lost_) {
+        if (!folding.knots.empty()) RefuseToDrive(&view);
+        continue;
+      }
       view.arm_motion = folding;
       view.seconds += folding.seconds();
     }
     add(Score(space, targets[t], ground, LookWay::kHead, std::move(views), rng));
-    if (!arm_) continue;
+    if (!arm_ || !arm_looks_) continue;
     add(Score(space, targets[t], ground, LookWay::kArm,
               arm_->Views(box_W.center(), id, stance, *around_arm), rng));
   }
@@ -122,6 +134,7 @@ std::vector<world::Look> LookPlanner::Score(const world::VoxelSpace& space,
       space, CameraOf(way).model, target, std::move(views), rng, config_.aspect_graph);
   for (world::Look& look : graph.looks) {
     if (look.feasible) CheckNotInVain(&look);
+    if (look.feasible) CheckWithinWorkspace(&look);
     look.kind = target.id < 0 ? "hidden_space" : "aspect_graph";
     if (ByLoss() && look.feasible) WeighByCommonGround(ground, target, &look);
   }
@@ -139,6 +152,18 @@ void LookPlanner::CheckNotInVain(world::Look* look) const {
                          fmt::format("a view from ({:.2f}, {:.2f}, {:.2f}) m taught nothing",
                                      same->x(), same->y(), same->z()),
                          look);
+}
+
+void LookPlanner::CheckWithinWorkspace(world::Look* look) const {
+  if (!workspace_) return;
+  const auto out = [&](const Pose2& pose) { return !workspace_->Contains(pose.x, pose.y); };
+  const auto waypoint = std::find_if(look->path_W.begin(), look->path_W.end(), out);
+  if (waypoint == look->path_W.end()) return;
+  look->feasible = planning::AddCheck(
+      "workspace", false,
+      fmt::format("its way leads through ({:.2f}, {:.2f}) m, out of safety.limits.workspace",
+                  waypoint->x, waypoint->y),
+      look);
 }
 
 /// A view that cannot be registered to the map brings nothing. One that shares little with the map

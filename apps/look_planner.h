@@ -15,6 +15,7 @@
 #include "lib/common/rng.h"
 #include "lib/fusion/conclude.h"
 #include "lib/geometry/ray_caster.h"
+#include "lib/hal/guard.h"
 #include "lib/perception/register_view.h"
 #include "lib/planning/aspect_graph.h"
 #include "lib/planning/common_ground.h"
@@ -54,11 +55,26 @@ class LookPlanner {
     arm_->Follow(motion, q);
   }
 
+  /// The arm takes no looks from now on, as its camera is lost. It is still folded before the base
+  /// drives.
+  void TakeNoArmLooks() { arm_looks_ = false; }
+  bool TakesArmLooks() const { return arm_ && arm_looks_; }
+
+  /// Likewise, as the arm itself is lost: it stays where it is, and unless it is folded there, so
+  /// does the base.
+  void LoseArm() {
+    arm_looks_ = false;
+    arm_lost_ = true;
+  }
+
   /// At `now` something stands around this point of the floor that the map does not show. It may
   /// move on, so it is forgotten in a while; what still stands there then stops the base again.
   void Block(const Eigen::Vector2d& p_W, Time now) {
     blocked_.push_back({p_W, now + Seconds(config_.blocked_seconds)});
   }
+
+  /// The base is to stay within `workspace`: looks that it would leave it for are refused.
+  void KeepWithin(const hal::Workspace& workspace) { workspace_ = workspace; }
 
   /// The view from this point taught nothing.
   void NoteVain(const Eigen::Vector3d& p_WC) { vain_views_W_.push_back(p_WC); }
@@ -86,6 +102,7 @@ class LookPlanner {
                                  const planning::CommonGround& ground, world::LookWay way,
                                  std::vector<world::Look> views, Rng* rng) const;
   void CheckNotInVain(world::Look* look) const;
+  void CheckWithinWorkspace(world::Look* look) const;
   void WeighByCommonGround(const planning::CommonGround& ground,
                            const planning::AspectTarget& target, world::Look* look) const;
   void AddGainsBeside(const world::VoxelSpace& space, const planning::CommonGround& ground,
@@ -98,7 +115,10 @@ class LookPlanner {
   perception::RegisterConfig registration_;
   planning::CameraCarrier carrier_;
   std::optional<ArmLooks> arm_;
+  bool arm_looks_{true};                                    // it can take looks
+  bool arm_lost_{};                                         // it can not even be folded
   std::map<std::string, geometry::RayCaster> ray_casters_;  // by name of the model
+  std::optional<hal::Workspace> workspace_;
   std::vector<Blocked> blocked_;
   std::vector<Eigen::Vector3d> vain_views_W_;
 };

@@ -85,6 +85,7 @@ Progress Mission::Step() try {
   if (choose_) look = Overruled(std::move(look));
   return look ? Act(*look) : progress_;
 } catch (const DeviceError& error) {
+  if (GoOnWithoutArm(error)) return Progress::kMore;
   End(Progress::kFailed, fmt::format("a device failed: {}", error.what()));
   throw;
 } catch (const ProtocolError& error) {
@@ -106,6 +107,7 @@ std::optional<TakenLook> Mission::Plan() {
 
 void Mission::KnowArm(const kinematics::EyeInHand& hand) {
   capturer_.KnowArm(hand);
+  arm_known_ = true;
   const hal::CameraInfo& camera = robot_->hand_camera->info();
   if (!camera.has_depth) {
     spdlog::warn(
@@ -120,9 +122,46 @@ void Mission::KnowArm(const kinematics::EyeInHand& hand) {
                     seed_});
 }
 
+/// When it was the arm or the camera in its hand that failed, the looks of the head remain. False
+/// when it was something else, without which there is no mission.
+bool Mission::GoOnWithoutArm(const DeviceError& error) try {
+  if (!arm_known_) return false;
+  robot_->Stop();
+  robot_->base->State();
+  robot_->head->State();
+  const bool arm_lost = [&] {
+    try {
+      capturer_.ArmNow();
+      return false;
+    } catch (const Error&) {
+      return true;
+    }
+  }();
+  const bool of_the_hand = eye_ == world::LookWay::kArm && planner_.TakesArmLooks();
+  if (!arm_lost && !of_the_hand) return false;
+  if (arm_lost) {
+    if (!capturer_.LoseArm()) return false;
+    planner_.LoseArm();
+  } else {
+    planner_.TakeNoArmLooks();
+  }
+  eye_ = world::LookWay::kHead;
+  blind_frames_ = 0;
+  without_ =
+      fmt::format("without looks by arm '{}', as {}", robot_->arm->info().name, error.what());
+  spdlog::warn("the mission goes on {}", without_);
+  return true;
+} catch (const Error&) {
+  return false;
+}
+
 Stance Mission::Standing() const {
   Stance stance{robot_->base->State().X_WB, robot_->head->State().angles, {}};
-  if (robot_->arm) stance.q = robot_->arm->State().q;
+  if (arm_known_) {
+    stance.q = capturer_.ArmNow();
+  } else if (robot_->arm) {
+    stance.q = robot_->arm->State().q;
+  }
   stance.time = robot_->clock->Now();
   return stance;
 }
@@ -320,6 +359,11 @@ Progress Mission::Act(TakenLook taken) {
   const Time begin = robot_->clock->Now();
   publisher_->Doing("moving", look.reason, begin);
   publisher_->Look(look, begin);
+  if (confirm_) {
+    publisher_->Doing("waiting", "for a confirmation: " + look.reason, begin);
+    confirm_(look);
+    publisher_->Doing("moving", look.reason, begin);
+  }
   const Stopwatch watch;
   const DriveOutcome outcome = MoveTo(
       look, stop_,
@@ -389,11 +433,18 @@ void Mission::SetTask(const world::Task& task) {
 
 void Mission::Learn(const world::ObjectModel& model) { scene_.Learn(model); }
 
+void Mission::Resume() {
+  progress_ = Progress::kMore;
+  record_.end.clear();
+  spdlog::info("the mission goes on");
+}
+
 void Mission::End(Progress progress, std::string why) {
   robot_->Stop();
   progress_ = progress;
   record_.total_seconds = SecondsSince(start_);
   record_.end = std::move(why);
+  if (!without_.empty() && progress != Progress::kFailed) record_.end += "; " + without_;
   spdlog::info("the mission ends: {}", record_.end);
   publisher_->Timing(std::exchange(stages_, {}), robot_->clock->Now());
   publisher_->Doing("ended", record_.end, robot_->clock->Now());

@@ -14,6 +14,7 @@
 #include "apps/mission_config.h"
 #include "apps/publisher.h"
 #include "apps/scene_understanding.h"
+#include "lib/common/error.h"
 #include "lib/common/rng.h"
 #include "lib/hal/robot.h"
 #include "lib/kinematics/head.h"
@@ -93,6 +94,19 @@ class Mission {
   /// unknown may be it, so it is open again.
   void Learn(const world::ObjectModel& model);
 
+  /// Goes on after it was stopped: Step() may be called again. The look that was stopped is not
+  /// taken again unless it is chosen again. @pre it has ended with kStopped.
+  void Resume();
+
+  /// Before each look is taken `confirm` is called, which may wait; when it returns the look is
+  /// taken, unless the mission is to stop.
+  void LetConfirm(std::function<void(const world::Look& look)> confirm) {
+    confirm_ = std::move(confirm);
+  }
+
+  /// The base is to stay within `workspace`: looks that it would leave it for are refused.
+  void KeepWithin(const hal::Workspace& workspace) { planner_.KeepWithin(workspace); }
+
   /// Lets `choose` decide on each look from now on.
   void LetChoose(LookChooser choose) { choose_ = std::move(choose); }
 
@@ -110,6 +124,7 @@ class Mission {
   Question WhatIsOpen() const;
   bool AllWantedFound() const;
   bool Matters(const world::ObjectBelief& object) const;
+  bool GoOnWithoutArm(const DeviceError& error);
   std::optional<TakenLook> SearchForTable();
   std::optional<TakenLook> Choose(const Question& question);
   std::optional<TakenLook> Overruled(std::optional<TakenLook> own);
@@ -130,6 +145,7 @@ class Mission {
   kinematics::HeadCalibration calibration_;
   StopRequest stop_;
   LookChooser choose_;
+  std::function<void(const world::Look&)> confirm_;
   std::uint64_t seed_;
   Rng rng_;
   Capturer capturer_;
@@ -137,6 +153,8 @@ class Mission {
   LookPlanner planner_;
   std::map<int, std::string> told_;            // last logged reason, by object
   world::LookWay eye_{world::LookWay::kHead};  // the camera of the next view
+  bool arm_known_{};                           // and not lost
+  std::string without_;                        // what it goes on without, and why
   // From where localisation has the base to where a view was registered, while it stands there.
   std::optional<Pose> X_RegisteredMeasured_;
   int blind_frames_{};             // without any depth, in a row

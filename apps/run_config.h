@@ -8,6 +8,7 @@
 
 #include "apps/mission_config.h"
 #include "apps/real_robot.h"
+#include "apps/safety_config.h"
 #include "lib/common/error.h"
 #include "lib/world/object_database.h"
 #include "lib/world/task.h"
@@ -24,6 +25,7 @@ struct RunConfig {
   std::string models;  ///< Folder of the object database.
   world::Task task;
   MissionConfig mission;
+  SafetyConfig safety;
   std::uint64_t seed = 1;  ///< Of everything that is drawn: same seed, same mission.
   int threads = 2;         ///< At most; the mission is the same for any number.
 
@@ -33,6 +35,7 @@ struct RunConfig {
     a->Visit("models", &models);
     a->Visit("task", &task);
     a->Visit("mission", &mission);
+    a->Visit("safety", &safety);
     a->Visit("seed", &seed);
     a->Visit("threads", &threads);
   }

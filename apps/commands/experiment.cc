@@ -38,6 +38,7 @@ constexpr Experiment kExperiments[] = {
     {"search", RunSearchExperiment, 200, 0},
     {"sensors", RunSensorsExperiment, 25, 0},
     {"modelling", RunModellingExperiment, 50, 0},
+    {"faults", RunFaultsExperiment, 300, 0},
 };
 
 /// The names of all, in words.

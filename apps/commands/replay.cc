@@ -121,6 +121,7 @@ class Replayed {
             [this, follow] { return StopAsked(follow); }, &publisher_, &robot_),
         start_(DescribeStart(config, database_, robot_.clock->Now())) {
     if (recording.robot.arm) mission_.KnowArm(recording.robot.arm->hand);
+    if (config.safety.limits.workspace) mission_.KeepWithin(*config.safety.limits.workspace);
     if (follow) mission_.LetChoose(FollowLooks(recording, &check_));
   }
 

@@ -26,6 +26,7 @@
 #include "lib/common/error.h"
 #include "lib/common/files.h"
 #include "lib/common/parallel.h"
+#include "lib/hal/guard.h"
 #include "lib/hal/tap.h"
 #include "lib/transport/lcm_bus.h"
 #include "lib/transport/outbox.h"
@@ -65,6 +66,23 @@ std::unique_ptr<transport::LcmBus> OpenBus(const std::string& url, bool remote_t
   return url == "none" ? nullptr : std::make_unique<transport::LcmBus>(url);
 }
 
+/// @throws ConfigError when `safety` rests on what others say over LCM, and nobody can.
+void RequireCommander(const SafetyConfig& safety, const RunOptions& options,
+                      const transport::LcmBus* bus) {
+  if (!safety.NeedsCommander()) return;
+  if (bus == nullptr || !bus->unreachable().empty()) {
+    Throw<ConfigError>(
+        "safety.heartbeat_seconds, safety.confirm and safety.wait_after_stop need LCM, which "
+        "nobody can speak to this mission by: {}",
+        bus == nullptr ? "--lcm-url is none" : bus->unreachable());
+  }
+  if (safety.wait_after_stop && !options.log.empty()) {
+    Throw<ConfigError>(
+        "a mission that goes on after a stop cannot be recorded: leave out --log, or set "
+        "safety.wait_after_stop to false");
+  }
+}
+
 /// Gives the mission the task that has come in, if one has. A wrong one changes nothing. `log` may
 /// be null.
 void PassOnTask(Executive* executive, MissionLog* log, Mission* mission) {
@@ -95,6 +113,7 @@ int Run(const RunOptions& options) {
   const RunConfig config = LoadRunConfig(options.config, options.overrides);
   if (!options.report.empty()) MakeWritableFolder(options.report);
   const std::unique_ptr<transport::LcmBus> bus = OpenBus(options.lcm_url, options.remote_tasks);
+  RequireCommander(config.safety, options, bus.get());
   transport::Outbox outbox(Executive::kOutboxBytes);
   std::vector<transport::Sink*> sinks;
   if (bus && bus->unreachable().empty()) sinks.push_back(&outbox);
@@ -106,7 +125,9 @@ int Run(const RunOptions& options) {
   RequireKnownClasses(config.task, database);
   std::optional<MissionLog> log;
   if (!options.log.empty()) log.emplace(options.log, options.log_split_mb);
+  hal::Guard guard(config.safety.limits);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
+  ready.robot = guard.Protect(std::move(ready.robot));
   if (log) {
     log->Begin(config, database, options.plan_only, &ready);
     sinks.push_back(&*log);
@@ -116,12 +137,17 @@ int Run(const RunOptions& options) {
   Publisher publisher(sinks);
   Executive executive({bus.get(), &outbox, &robot, &publisher, &health,
                        [&] { return log ? log->state() : ""; },
-                       options.remote_tasks || !transport::ReachesBeyondThisHost(options.lcm_url)});
+                       options.remote_tasks || !transport::ReachesBeyondThisHost(options.lcm_url),
+                       &guard, config.safety});
   StopRequest stop = [&] { return executive.StopRequested(); };
   if (log) stop = log->Recorded(std::move(stop), StopSignal);
   Mission mission(config.mission, config.task, database, ready.calibration, config.seed, stop,
                   &publisher, &robot);
   if (ready.hand) mission.KnowArm(*ready.hand);
+  if (config.safety.limits.workspace) mission.KeepWithin(*config.safety.limits.workspace);
+  if (config.safety.confirm) {
+    mission.LetConfirm([&](const world::Look&) { executive.WaitForConfirmation(); });
+  }
   const second_look::mission_t start = DescribeStart(config, database, robot.clock->Now());
   publisher.Mission(start);
   Progress progress = Progress::kMore;
@@ -142,11 +168,19 @@ int Run(const RunOptions& options) {
         PassOnModels(&watch, log ? &*log : nullptr, &database, &mission);
         PassOnTask(&executive, log ? &*log : nullptr, &mission);
         progress = mission.Step();
+        if (progress != Progress::kStopped || !config.safety.wait_after_stop) continue;
+        if (!executive.WaitUntilCleared()) continue;
+        mission.Resume();
+        progress = Progress::kMore;
       }
     }
   } catch (const Error&) {
+    robot.Stop();
     progress = Progress::kFailed;
     finish();  // what was learned until then is not lost
+    throw;
+  } catch (...) {  // a fault of ours: nothing that it has touched is to be relied on
+    robot.Stop();
     throw;
   }
   finish();

@@ -51,6 +51,10 @@ std::vector<nlohmann::ordered_json> RunTrials(
 /// @throws ConfigError for folders or a scene that cannot be read.
 void RunMissionsExperiment(const ExperimentOptions& options);
 
+/// Whole missions with one to three faults each of devices, disk, network or clock, and a stop at a
+/// random moment among them. The baseline is the same mission without.
+void RunFaultsExperiment(const ExperimentOptions& options);
+
 /// Recognition in recorded frames with ground truth, nothing told of where objects are: a trial is
 /// a frame of the folder `options.data`.
 /// @throws ConfigError for a folder that has no such frame, or a frame that cannot be read.

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "apps/experiments/judge.h"
 #include "apps/json_output.h"
 #include "apps/mission.h"
 #include "apps/mission_message.h"
@@ -20,6 +19,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json OrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+}  // namespace
 
 Json ToJson(const Verdict& verdict) {
   return {{"verdict", ToString(verdict.kind)},
@@ -50,6 +51,8 @@ const char* ToString(Progress progress) {
   }
   return "";
 }
+
+namespace {
 
 /// A mission takes at most so many steps, whatever its budget: the net under a hang.
 constexpr int kMaxSteps = 100;

@@ -6,10 +6,17 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/experiments/experiment.h"
+#include "apps/experiments/judge.h"
 #include "lib/world/object_database.h"
 #include "sim/scene.h"
 
 namespace secondlook::apps {
+
+/// How a mission has ended, e.g. "settled".
+const char* ToString(Progress progress);
+
+/// One of the `verdicts` of docs/cli.md.
+nlohmann::ordered_json ToJson(const Verdict& verdict);
 
 /// Runs one mission of the default robot in `scene`, all its errors drawn from `seed`, and judges
 /// it: the `details` of docs/cli.md. With a `report` folder, leaves its scene and result there.

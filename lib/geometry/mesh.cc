@@ -346,6 +346,24 @@ cv::Mat TextureTimesBaseColor(const Material& material) {
   return texture;
 }
 
+/// Assimp triangulates without looking: a face that is none would end the process.
+void CheckFaces(const fs::path& file, const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      if (face.mNumIndices == 0) {
+        Throw<ConfigError>("{}: face {} of mesh {} has no corners", file.string(), f, m);
+      }
+      for (unsigned i = 0; i < face.mNumIndices; ++i) {
+        if (face.mIndices[i] < mesh.mNumVertices) continue;
+        Throw<ConfigError>("{}: face {} of mesh {} has vertex {}, and there are {}", file.string(),
+                           f, m, face.mIndices[i], mesh.mNumVertices);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 LengthUnit ParseLengthUnit(const std::string& text) {
@@ -361,7 +379,11 @@ Mesh LoadMesh(const fs::path& file, LengthUnit unit) {
   CheckExtension(file);
   if (LowerExtension(file) == ".ply") CheckPlyIsWhole(file);
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
+  const aiScene* scene = importer.ReadFile(file.string(), 0);
+  if (scene != nullptr) {
+    CheckFaces(file, *scene);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  }
   if (scene == nullptr || scene->mRootNode == nullptr) {
     Throw<ConfigError>("{}: it is not a readable mesh: {}", file.string(),
                        importer.GetErrorString());

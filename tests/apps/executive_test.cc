@@ -69,10 +69,11 @@ class BlockedMission : public ::testing::Test {
     });
   }
 
-  void Start(bool takes_tasks = true) {
+  void Start(bool takes_tasks = true, const SafetyConfig& safety = {}) {
     executive_.emplace(ExecutiveParts{&bus_, &outbox_, &robot_, &publisher_, &health_,
-                                      [] { return "a.log"; }, takes_tasks});
+                                      [] { return "a.log"; }, takes_tasks, &guard_, safety});
   }
+  void Start(const SafetyConfig& safety) { Start(true, safety); }
   /// Ends it, and waits for the last that it sends.
   void Finish() {
     executive_.reset();
@@ -112,6 +113,7 @@ class BlockedMission : public ::testing::Test {
   }
 
   testing::FakeWorld world_;
+  hal::Guard guard_{{}};
   hal::Robot robot_{testing::MakeFakeRobot(&world_)};
   DeviceHealth health_{robot_};
   Publisher publisher_;
@@ -151,6 +153,107 @@ TEST_F(BlockedMission, IsStoppedByACommand) {
   Bring(MakeCommand(command_t::STOP));
   ASSERT_EQ(stopped_.get_future().wait_for(kPatience), std::future_status::ready);
   EXPECT_TRUE(executive_->StopRequested());
+}
+
+TEST_F(BlockedMission, IsHeldByTheGuardAfterAStop) {
+  Start();
+  Bring(MakeCommand(command_t::STOP));
+  ASSERT_EQ(stopped_.get_future().wait_for(kPatience), std::future_status::ready);
+  EXPECT_TRUE(guard_.holds());
+  EXPECT_EQ(guard_.why(), "a command: 'a test'");
+}
+
+TEST_F(BlockedMission, ThatWaitsAfterAStopGoesOnOnceItIsCleared) {
+  SafetyConfig safety;
+  safety.wait_after_stop = true;
+  Start(safety);
+  Bring(MakeCommand(command_t::STOP));
+  ASSERT_EQ(stopped_.get_future().wait_for(kPatience), std::future_status::ready);
+  Bring(MakeCommand(command_t::ALIVE));
+  EXPECT_TRUE(executive_->StopRequested()) << "nothing but CLEAR clears it";
+  Bring(MakeCommand(command_t::CLEAR));
+  EXPECT_TRUE(executive_->WaitUntilCleared());
+  EXPECT_FALSE(executive_->StopRequested());
+  EXPECT_FALSE(guard_.holds());
+}
+
+TEST_F(BlockedMission, IsNotClearedWhereAStopEndsTheMission) {
+  Start();
+  Bring(MakeCommand(command_t::STOP));
+  Bring(MakeCommand(command_t::CLEAR));
+  const status_t status = StatusWhere([](const status_t& s) { return s.rejected > 0; });
+  EXPECT_EQ(status.last_rejected,
+            "SECONDLOOK_COMMAND: a stop ends the mission; nothing is to be cleared");
+  EXPECT_TRUE(executive_->StopRequested());
+  EXPECT_TRUE(guard_.holds());
+}
+
+TEST_F(BlockedMission, StopsWhenTheHeartbeatOfItsCommanderIsLost) {
+  SafetyConfig safety;
+  safety.heartbeat_seconds = 0.1;
+  Start(safety);
+  Bring(MakeCommand(command_t::ALIVE));
+  ASSERT_EQ(stopped_.get_future().wait_for(kPatience), std::future_status::ready);
+  EXPECT_THAT(guard_.why(), StartsWith("the lost heartbeat of its commander: nothing on "
+                                       "SECONDLOOK_COMMAND for 0."));
+  EXPECT_TRUE(executive_->StopRequested());
+}
+
+TEST_F(BlockedMission, StopsAMotionThatItNoLongerAsksAbout) {
+  robot_ = guard_.Protect(std::move(robot_));
+  world_.head_takes = Seconds(60.0);
+  robot_.head->Start({0.5, 0.0});
+  robot_.head->Status();
+  world_.now += Seconds(2.5);  // safety.limits.lapse_seconds is 2
+  Start();
+  ASSERT_EQ(stopped_.get_future().wait_for(kPatience), std::future_status::ready);
+  EXPECT_THAT(guard_.why(), StartsWith("pan-tilt 'neck': it moves, and for 2 s the mission has "
+                                       "not asked how far it is"));
+}
+
+TEST_F(BlockedMission, WaitsUntilALookIsConfirmed) {
+  SafetyConfig safety;
+  safety.confirm = true;
+  Start(safety);
+  Bring(MakeCommand(command_t::CONFIRM));  // too early
+  StatusWhere([](const status_t& s) {
+    return s.last_rejected == "SECONDLOOK_COMMAND: no look waits for a confirmation";
+  });
+  auto confirmed = std::async(std::launch::async, [&] { executive_->WaitForConfirmation(); });
+  while (confirmed.wait_for(std::chrono::milliseconds(5)) != std::future_status::ready) {
+    Bring(MakeCommand(command_t::CONFIRM));
+  }
+  EXPECT_FALSE(executive_->StopRequested());
+}
+
+TEST_F(BlockedMission, IsStoppedWhileItWaitsForAConfirmation) {
+  SafetyConfig safety;
+  safety.confirm = true;
+  Start(safety);
+  Bring(MakeCommand(command_t::STOP));
+  executive_->WaitForConfirmation();
+  EXPECT_TRUE(executive_->StopRequested());
+}
+
+TEST_F(BlockedMission, TakesNoCommandButStopFromWhereNoneIsTaken) {
+  SafetyConfig safety;
+  safety.wait_after_stop = true;
+  Start(false, safety);
+  Bring(MakeCommand(command_t::STOP));
+  Bring(MakeCommand(command_t::CLEAR));
+  const status_t status = StatusWhere([](const status_t& s) { return s.rejected > 0; });
+  EXPECT_THAT(status.last_rejected, ::testing::HasSubstr("no command but STOP is taken from "
+                                                         "beyond this host"));
+  EXPECT_TRUE(guard_.holds());
+}
+
+TEST(SafetyConfig, NamesAHeartbeatThatIsTooFast) {
+  SafetyConfig config;
+  EXPECT_NO_THROW(config.Validate());
+  config.heartbeat_seconds = 0.01;
+  EXPECT_THAT([&] { config.Validate(); },
+              ::testing::ThrowsMessage<ConfigError>(
+                  ::testing::HasSubstr("heartbeat_seconds (0: none) = 0.01 must lie in 0.1..60")));
 }
 
 TEST_F(BlockedMission, IsStoppedByASignal) {

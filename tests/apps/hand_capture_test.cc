@@ -1,10 +1,12 @@
 #include <numbers>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 #include "apps/arm_looks.h"
 #include "apps/capture.h"
 #include "lib/common/error.h"
+#include "sim/faulty_robot.h"
 #include "sim/sim_robot.h"
 #include "tests/support/expect_throws.h"
 
@@ -55,6 +57,21 @@ TEST_F(HandCapture, PutsTheCameraWhereTheHandTrulyIsUpToTheErrorsOfBaseArmAndCal
   const Pose2 X_WB = simulated_.robot.base->State().X_WB;
   EXPECT_NEAR((capture.X_WC.translation() + capture.p_CB_W - ToPose(X_WB).translation()).norm(),
               0.0, 1e-9);
+}
+
+TEST_F(HandCapture, GoesOnWithTheHeadOnceTheArmIsLost) {
+  const sim::Fault off{sim::FaultyPart::kArm, sim::FaultType::kOff, Time(Seconds(5)), Time::max()};
+  simulated_.robot = sim::WithFaults(std::move(simulated_.robot), {off}, 1);
+  Capturer capturer(&simulated_.robot, simulated_.calibration);
+  capturer.KnowArm(*simulated_.hand);
+  EXPECT_FALSE(capturer.LoseArm()) << "nobody knows yet where it is";
+  EXPECT_TRUE(capturer.Take(Seconds(1)));
+  const Eigen::VectorXd folded = capturer.ArmNow();
+  simulated_.robot.clock->SleepUntil(Time(Seconds(6)));
+  EXPECT_THROWS(capturer.Take(Seconds(1)), DeviceError, "arm 'arm': the device is lost");
+  EXPECT_TRUE(capturer.LoseArm());
+  EXPECT_TRUE(capturer.Take(Seconds(1)));
+  EXPECT_EQ(capturer.ArmNow(), folded);
 }
 
 TEST_F(HandCapture, OfAnArmThatDoesNotBeginWithinItsBaseIsRefused) {

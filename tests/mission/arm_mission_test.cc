@@ -1,12 +1,14 @@
 // Missions of a robot with an arm.
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "apps/experiments/judge.h"
+#include "sim/faulty_robot.h"
 #include "tests/mission/simulated_mission.h"
 #include "tests/support/program.h"
 #include "tests/support/small_world.h"
@@ -28,6 +30,38 @@ class ArmMission : public ::testing::Test {
 
   testing::SmallWorld world_;
 };
+
+/// Runs a mission in which `lost` is off from its first second on; how and why it has ended.
+std::pair<Progress, std::string> EndWithout(sim::FaultyPart lost, const std::string& config_file) {
+  const RunConfig config = LoadRunConfig(config_file, {});
+  const ThreadLimit threads(config.threads);
+  const auto database = world::ObjectDatabase::Load(config.models);
+  ReadyRobot ready = MakeRobot(config.robot, config.seed);
+  const sim::Fault off{lost, sim::FaultType::kOff, Time(Seconds(1)), Time::max()};
+  ready.robot = sim::WithFaults(std::move(ready.robot), {off}, 1);
+  Publisher publisher;
+  Mission mission(
+      config.mission, config.task, database, ready.calibration, config.seed, [] { return false; },
+      &publisher, &ready.robot);
+  mission.KnowArm(*ready.hand);
+  Progress progress = Progress::kMore;
+  for (int i = 0; i < 30 && progress == Progress::kMore; ++i) progress = mission.Step();
+  return {progress, mission.record().end};
+}
+
+TEST_F(ArmMission, GoesOnWithTheLooksOfTheHeadWhenTheHandsCameraIsLost) {
+  const auto [progress, end] = EndWithout(sim::FaultyPart::kHandCamera, world_.config().string());
+  EXPECT_NE(progress, Progress::kMore);
+  EXPECT_NE(progress, Progress::kFailed);
+  EXPECT_THAT(end, HasSubstr("; without looks by arm 'arm', as camera 'hand': the device is lost"));
+}
+
+TEST_F(ArmMission, GoesOnWithTheLooksOfTheHeadWhenTheArmIsLost) {
+  const auto [progress, end] = EndWithout(sim::FaultyPart::kArm, world_.config().string());
+  EXPECT_NE(progress, Progress::kMore);
+  EXPECT_NE(progress, Progress::kFailed);
+  EXPECT_THAT(end, HasSubstr("; without looks by arm 'arm', as arm 'arm': the device is lost"));
+}
 
 TEST_F(ArmMission, SettlesByALookThatTheArmTakes) {
   const SimulatedMission run = Run("2");

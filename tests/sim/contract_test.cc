@@ -1,7 +1,8 @@
-// The simulated devices keep what the interfaces promise, tapped ones too.
+// The simulated devices keep what the interfaces promise, tapped and guarded ones too.
 
 #include <gtest/gtest.h>
 
+#include "lib/hal/guard.h"
 #include "lib/hal/tap.h"
 #include "sim/sim_striper.h"
 #include "tests/hal/arm_contract.h"
@@ -57,6 +58,24 @@ Simulated MakeTapped() {
   return simulated;
 }
 
+/// Behind a guard with every limit, which lives with the robot.
+Simulated MakeGuarded() {
+  struct Guarded {
+    hal::Guard guard;
+    std::shared_ptr<sim::SimulatedRobot> simulated;
+  };
+  hal::GuardConfig config;
+  config.base_speed = 1.0;
+  config.base_turn_rate_deg = 180.0;
+  config.head_speed_deg = 180.0;
+  config.arm_speed_deg = 360.0;
+  config.workspace.emplace();
+  const std::shared_ptr<Guarded> guarded(new Guarded{hal::Guard(config), Make(true)});
+  Simulated simulated({guarded, guarded->simulated.get()});
+  simulated.robot = guarded->guard.Protect(std::move(simulated.robot));
+  return simulated;
+}
+
 const auto kClockRig = [](const Simulated& s) { return ClockRig{s.robot.clock.get(), s.owner}; };
 
 std::vector<ClockFactory> Clocks() {
@@ -65,10 +84,11 @@ std::vector<ClockFactory> Clocks() {
 }
 
 template <class Factory, class MakeRig>
-std::vector<Factory> CleanNoisyAndTapped(MakeRig make_rig) {
+std::vector<Factory> EachKind(MakeRig make_rig) {
   return {{"SimClean", [make_rig] { return make_rig(Simulated(Make(false))); }},
           {"SimNoisy", [make_rig] { return make_rig(Simulated(Make(true))); }},
-          {"Tapped", [make_rig] { return make_rig(MakeTapped()); }}};
+          {"Tapped", [make_rig] { return make_rig(MakeTapped()); }},
+          {"Guarded", [make_rig] { return make_rig(MakeGuarded()); }}};
 }
 
 const auto kCameraRig = [](const Simulated& s) {
@@ -105,21 +125,17 @@ INSTANTIATE_TEST_SUITE_P(Sim, ClockContract, ::testing::ValuesIn(Clocks()), kNam
 namespace hal {
 
 INSTANTIATE_TEST_SUITE_P(Sim, CameraContract,
-                         ::testing::ValuesIn(CleanNoisyAndTapped<CameraFactory>(kCameraRig)),
-                         kName);
+                         ::testing::ValuesIn(EachKind<CameraFactory>(kCameraRig)), kName);
 INSTANTIATE_TEST_SUITE_P(SimHand, CameraContract,
-                         ::testing::ValuesIn(CleanNoisyAndTapped<CameraFactory>(kHandCameraRig)),
+                         ::testing::ValuesIn(EachKind<CameraFactory>(kHandCameraRig)), kName);
+INSTANTIATE_TEST_SUITE_P(Sim, ArmContract, ::testing::ValuesIn(EachKind<ArmFactory>(kArmRig)),
                          kName);
-INSTANTIATE_TEST_SUITE_P(Sim, ArmContract,
-                         ::testing::ValuesIn(CleanNoisyAndTapped<ArmFactory>(kArmRig)), kName);
+INSTANTIATE_TEST_SUITE_P(Sim, BaseContract, ::testing::ValuesIn(EachKind<BaseFactory>(kBaseRig)),
+                         kName);
 INSTANTIATE_TEST_SUITE_P(Sim, LaserStriperContract,
-                         ::testing::ValuesIn(CleanNoisyAndTapped<StriperFactory>(kStriperRig)),
-                         kName);
-INSTANTIATE_TEST_SUITE_P(Sim, BaseContract,
-                         ::testing::ValuesIn(CleanNoisyAndTapped<BaseFactory>(kBaseRig)), kName);
+                         ::testing::ValuesIn(EachKind<StriperFactory>(kStriperRig)), kName);
 INSTANTIATE_TEST_SUITE_P(Sim, PanTiltContract,
-                         ::testing::ValuesIn(CleanNoisyAndTapped<PanTiltFactory>(kPanTiltRig)),
-                         kName);
+                         ::testing::ValuesIn(EachKind<PanTiltFactory>(kPanTiltRig)), kName);
 
 }  // namespace hal
 }  // namespace secondlook
