@@ -36,9 +36,8 @@ std::vector<world::Cluster> Components(const cv::Mat& mask, int min_pixels) {
   std::erase_if(clusters, [&](const world::Cluster& cluster) {
     return static_cast<int>(cluster.pixels.size()) < min_pixels;
   });
-  std::stable_sort(clusters.begin(), clusters.end(), [](const auto& a, const auto& b) {
-    return a.pixels.size() > b.pixels.size();
-  });
+  std::stable_sort(clusters.begin(), clusters.end(),
+                   [](const auto& a, const auto& b) { return a.pixels.size() > b.pixels.size(); });
   return clusters;
 }
 

@@ -15,14 +15,14 @@ namespace secondlook::perception {
 /// How things are told from a background that was seen without them.
 struct BackgroundConfig {
   double max_deviations{4.0};  ///< A pixel so many standard deviations from all Gaussians is new.
-  double min_shadow{0.5};      ///< What has the background's hue and this share of its light or more
-                               ///< is a shadow on it.
-  int median_px{3};            ///< Side of the median filter against impulses; odd.
-  double blur_sigma_px{1.0};   ///< Of the Gaussian filter against additive noise.
-  int open_px{3};              ///< Diameter of what opening removes …
-  int close_px{9};             ///< … and of the gaps that closing fills.
-  int min_pixels{80};          ///< Smaller components are noise.
-  double same_view_m{0.002};   ///< A camera that has moved farther …
+  double min_shadow{0.5};     ///< What has the background's hue and this share of its light or more
+                              ///< is a shadow on it.
+  int median_px{3};           ///< Side of the median filter against impulses; odd.
+  double blur_sigma_px{1.0};  ///< Of the Gaussian filter against additive noise.
+  int open_px{3};             ///< Diameter of what opening removes …
+  int close_px{9};            ///< … and of the gaps that closing fills.
+  int min_pixels{80};         ///< Smaller components are noise.
+  double same_view_m{0.002};  ///< A camera that has moved farther …
   double same_view_deg{0.15};  ///< … or turned farther sees another background.
 
   template <class A>

@@ -23,7 +23,8 @@ cv::Mat Frame(Rng* rng, Draw draw) {
   draw(&frame);
   for (int i = 0; i < kWidth * kHeight; ++i) {
     cv::Vec3b& pixel = frame.at<cv::Vec3b>(i / kWidth, i % kWidth);
-    for (int c = 0; c < 3; ++c) pixel[c] = cv::saturate_cast<std::uint8_t>(pixel[c] + rng->Gaussian(4.0));
+    for (int c = 0; c < 3; ++c)
+      pixel[c] = cv::saturate_cast<std::uint8_t>(pixel[c] + rng->Gaussian(4.0));
   }
   return frame;
 }
@@ -52,8 +53,10 @@ TEST_F(Background, ShowsWhatHasBeenPutThereLargestFirst) {
   ASSERT_EQ(found.clusters.size(), 2U) << found.reason;
   EXPECT_EQ(found.reason, "");
   // Twice the blur's sigma beyond its edge, a thing of such contrast still shows.
-  EXPECT_THAT(found.clusters[0].pixels.size(), testing::AllOf(testing::Ge(20U * 18U), testing::Le(24U * 22U)));
-  EXPECT_THAT(found.clusters[1].pixels.size(), testing::AllOf(testing::Ge(14U * 12U), testing::Le(18U * 16U)));
+  EXPECT_THAT(found.clusters[0].pixels.size(),
+              testing::AllOf(testing::Ge(20U * 18U), testing::Le(24U * 22U)));
+  EXPECT_THAT(found.clusters[1].pixels.size(),
+              testing::AllOf(testing::Ge(14U * 12U), testing::Le(18U * 16U)));
   EXPECT_FALSE(found.clusters[0].touches_border);
   EXPECT_TRUE(found.clusters[0].points_C.empty());
 }
@@ -95,8 +98,9 @@ TEST_F(Background, SaysThatTheLightHasChanged) {
   const cv::Mat dark(kHeight, kWidth, CV_8UC3, cv::Scalar(20, 20, 20));
   const Foreground found = Learnt().Detect(dark, {}, kCamera, Pose::Identity());
   EXPECT_TRUE(found.clusters.empty());
-  EXPECT_EQ(found.reason, "100 % of the picture is new; the light has changed, or the background "
-                          "is another");
+  EXPECT_EQ(found.reason,
+            "100 % of the picture is new; the light has changed, or the background "
+            "is another");
 }
 
 TEST_F(Background, SaysTheSameOfTheSamePictureAgain) {
@@ -115,7 +119,8 @@ TEST_F(Background, RefusesWhatItCannotLearnFrom) {
   EXPECT_THROWS(BackgroundModel({Empty(&rng_)}, Pose::Identity()), InvalidArgument,
                 "a background learnt from 1 frames");
   EXPECT_THROWS(BackgroundModel({Empty(&rng_), cv::Mat(10, 10, CV_8UC3)}, Pose::Identity()),
-                InvalidArgument, "a picture of 10 x 10 pixels of type 16 for a background of 80 x 60");
+                InvalidArgument,
+                "a picture of 10 x 10 pixels of type 16 for a background of 80 x 60");
   BackgroundConfig config;
   config.median_px = 4;
   EXPECT_THROWS(config.Validate(), ConfigError, "median_px = 4 must be odd");
