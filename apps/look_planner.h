@@ -49,6 +49,9 @@ class LookPlanner {
   /// Looks by this arm are offered beside the others from now on.
   void KnowArm(ArmLooks arm) { arm_.emplace(std::move(arm)); }
 
+  /// Looks by the one-shot vote (one_shot_look.h) are offered, too. It must outlive this.
+  void KnowClassifier(const perception::Classifier& classifier) { classifier_ = &classifier; }
+
   /// The arm has set out along `motion` and stands at `q` [rad]. @pre it is known.
   void NoteArm(const hal::JointTrajectory& motion, const Eigen::VectorXd& q) {
     arm_->Follow(motion, q);
@@ -98,6 +101,7 @@ class LookPlanner {
   perception::RegisterConfig registration_;
   planning::CameraCarrier carrier_;
   std::optional<ArmLooks> arm_;
+  const perception::Classifier* classifier_{};              // null: none
   std::map<std::string, geometry::RayCaster> ray_casters_;  // by name of the model
   std::vector<Blocked> blocked_;
   std::vector<Eigen::Vector3d> vain_views_W_;

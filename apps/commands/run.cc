@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/appearance.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/mission_status.h"
 #include "apps/device_health.h"
@@ -104,6 +105,7 @@ int Run(const RunOptions& options) {
   auto database = world::ObjectDatabase::Load(config.models);
   ModelWatch watch(config.models, database);
   RequireKnownClasses(config.task, database);
+  const auto classifier = LoadMissionClassifier(config.classifier, database);
   std::optional<MissionLog> log;
   if (!options.log.empty()) log.emplace(options.log, options.log_split_mb);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
@@ -122,6 +124,7 @@ int Run(const RunOptions& options) {
   Mission mission(config.mission, config.task, database, ready.calibration, config.seed, stop,
                   &publisher, &robot);
   if (ready.hand) mission.KnowArm(*ready.hand);
+  if (classifier) mission.KnowClassifier(*classifier);
   const second_look::mission_t start = DescribeStart(config, database, robot.clock->Now());
   publisher.Mission(start);
   Progress progress = Progress::kMore;
