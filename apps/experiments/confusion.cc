@@ -90,9 +90,8 @@ void WritePicture(const ConfusionMatrix& matrix, const std::vector<std::string>&
       cv::rectangle(picture, cell, shade, cv::FILLED);
       cv::rectangle(picture, cell, cv::Scalar::all(200), 1);
       if (counts(row, column) == 0.0) continue;
-      Write(fmt::format("{:.0f}", counts(row, column)),
-            {cell.x + 10, cell.y + kCell_px / 2 + 4}, cv::Scalar::all(share > 0.5 ? 255 : 0),
-            &picture);
+      Write(fmt::format("{:.0f}", counts(row, column)), {cell.x + 10, cell.y + kCell_px / 2 + 4},
+            cv::Scalar::all(share > 0.5 ? 255 : 0), &picture);
     }
   }
   std::vector<unsigned char> png;

@@ -197,9 +197,8 @@ struct NamedDecider {
 
 std::vector<NamedDecider> Deciders(const Classes& classes) {
   const auto together = [&classes](FusionRule rule, double gate) {
-    return [&classes, rule, gate](const Scene& scene) {
-      return Together(scene, classes, rule, gate);
-    };
+    return
+        [&classes, rule, gate](const Scene& scene) { return Together(scene, classes, rule, gate); };
   };
   constexpr double kAlways = std::numeric_limits<double>::infinity();
   return {
@@ -305,21 +304,19 @@ class Summary {
             return (Sum(by_scene, drawn).*figure)();
           };
         };
-        rows_.push_back({fmt::format("{}: {}, {}", kConditions[condition], kFigures[f].first,
-                                     decider.name),
-                         Bootstrapped(count, of(matrices)),
-                         decider.name == "hand alone" ? std::nullopt
-                         : fused                      ? std::optional(paper.fused)
-                                                      : std::optional(paper.head),
-                         fused ? std::optional(Bootstrapped(count, of(all.front())).value)
-                               : std::nullopt});
+        rows_.push_back(
+            {fmt::format("{}: {}, {}", kConditions[condition], kFigures[f].first, decider.name),
+             Bootstrapped(count, of(matrices)),
+             decider.name == "hand alone" ? std::nullopt
+             : fused                      ? std::optional(paper.fused)
+                                          : std::optional(paper.head),
+             fused ? std::optional(Bootstrapped(count, of(all.front())).value) : std::nullopt});
       }
-      rows_.push_back({fmt::format("{}: false detections a scene, {}", kConditions[condition],
-                                   decider.name),
-                       Bootstrapped(count, [&](const std::vector<int>& drawn) {
-                         return Sum(matrices, drawn).FalseDetections() /
-                                static_cast<double>(drawn.size());
-                       })});
+      rows_.push_back(
+          {fmt::format("{}: false detections a scene, {}", kConditions[condition], decider.name),
+           Bootstrapped(count, [&](const std::vector<int>& drawn) {
+             return Sum(matrices, drawn).FalseDetections() / static_cast<double>(drawn.size());
+           })});
       WriteMatrix(condition, decider.name, matrices);
     }
     for (std::size_t alone = 0; alone < 2; ++alone) {
@@ -346,9 +343,9 @@ class Summary {
         if (fusion::ConfidenceRatio(p) < kGate) second.back() += 1.0;
       }
     }
-    rows_.push_back({fmt::format("{}: matched things classified twice, gate {}",
-                                 kConditions[condition], kGate),
-                     BootstrappedRatio(second, matched), std::nullopt, 1.0});
+    rows_.push_back(
+        {fmt::format("{}: matched things classified twice, gate {}", kConditions[condition], kGate),
+         BootstrappedRatio(second, matched), std::nullopt, 1.0});
   }
 
   void AddMatches() {
@@ -380,15 +377,15 @@ class Summary {
     rows_.push_back(
         {"injected wrong matches flagged by m(empty) at 5 % false alarms",
          Proportion(static_cast<int>(flagged), static_cast<int>(conflicts.wrong.size()))});
-    rows_.push_back({"injected wrong matches by m(empty): area under the ROC curve",
-                     Bootstrapped(static_cast<int>(right.size()),
-                                  [&](const std::vector<int>& drawn) {
-                                    std::vector<double> wrong;
-                                    for (const int i : drawn) {
-                                      wrong.push_back(conflicts.wrong[static_cast<std::size_t>(i)]);
-                                    }
-                                    return AreaUnderCurve(right, wrong);
-                                  })});
+    rows_.push_back(
+        {"injected wrong matches by m(empty): area under the ROC curve",
+         Bootstrapped(static_cast<int>(right.size()), [&](const std::vector<int>& drawn) {
+           std::vector<double> wrong;
+           for (const int i : drawn) {
+             wrong.push_back(conflicts.wrong[static_cast<std::size_t>(i)]);
+           }
+           return AreaUnderCurve(right, wrong);
+         })});
   }
 
   /// The chance that a wrong match has more conflict than a right one. @pre `right` is sorted.
@@ -407,7 +404,8 @@ class Summary {
     ConfusionMatrix sum(static_cast<int>(classes_.things.size()));
     for (const ConfusionMatrix& matrix : matrices) sum += matrix;
     std::string name = fmt::format("confusion_{}_{}", kConditions[condition], decider);
-    std::replace_if(name.begin(), name.end(), [](char c) { return c == ' ' || c == ','; }, '_');
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == ' ' || c == ','; }, '_');
     WritePicture(sum, classes_.things, fmt::format("{}: {}", kConditions[condition], decider),
                  std::filesystem::path(report_) / (name + ".png"));
   }
@@ -433,8 +431,7 @@ std::unique_ptr<perception::Classifier> MakeClassifier(const std::vector<sim::Sc
                                                        const ExperimentOptions& options) {
   if (!options.classifier.empty()) return perception::LoadClassifier(options.classifier);
   spdlog::info("training a support vector machine on rendered pictures");
-  const perception::TrainingSet set =
-      RenderTrainingSet(things, ForkSeed(options.seed, "training"));
+  const perception::TrainingSet set = RenderTrainingSet(things, ForkSeed(options.seed, "training"));
   auto classifier = perception::FeatureClassifier::Train(
       perception::FeatureClassifierKind::kSvm, set, {3, 1, options.seed},
       [](const std::string& line) { spdlog::info("{}", line); });
@@ -466,8 +463,7 @@ void RunDsFusionExperiment(const ExperimentOptions& options) {
           trial["things"].push_back(thing.name);
         }
         trial[kConditions[0]] = ToJson(LookTwice(scene, *classifier, seed));
-        trial[kConditions[1]] =
-            ToJson(LookTwice(WithOccluders(scene, seed), *classifier, seed));
+        trial[kConditions[1]] = ToJson(LookTwice(WithOccluders(scene, seed), *classifier, seed));
         return trial;
       },
       [&](const std::vector<Json>& trials) {

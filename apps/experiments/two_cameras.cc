@@ -41,11 +41,11 @@ constexpr int kViewsOfATable = 14;
 const std::array<Vector3d, 4> kTestTables{
     {{0.62, 0.47, 0.32}, {0.35, 0.38, 0.42}, {0.7, 0.7, 0.66}, {0.3, 0.42, 0.34}}};
 const std::array<Vector3d, 6> kTrainingColors{{{0.5, 0.35, 0.22},
-                                                     {0.55, 0.55, 0.58},
-                                                     {0.8, 0.76, 0.7},
-                                                     {0.25, 0.28, 0.3},
-                                                     {0.45, 0.5, 0.6},
-                                                     {0.6, 0.42, 0.45}}};
+                                               {0.55, 0.55, 0.58},
+                                               {0.8, 0.76, 0.7},
+                                               {0.25, 0.28, 0.3},
+                                               {0.45, 0.5, 0.6},
+                                               {0.6, 0.42, 0.45}}};
 
 // Nor is a colour of obstacles.
 const std::array<Vector3d, 4> kTestBoxes{
@@ -84,7 +84,7 @@ Places DrawPlaces(const sim::Table& table, std::uint64_t seed) {
   const double azimuth = rng.Uniform(-std::numbers::pi, std::numbers::pi);
   const double side = rng.Index(2) == 0 ? 1.0 : -1.0;
   Places places;
-  places.X_WHead = Around(table, azimuth, rng.Uniform(35.0, 50.0) * kDegree, rng.Uniform(1.3, 1.6));
+  places.X_WHead = Around(table, azimuth, rng.Uniform(20.0, 35.0) * kDegree, rng.Uniform(1.3, 1.6));
   places.X_WHand = Around(table, azimuth + side * rng.Uniform(50.0, 110.0) * kDegree,
                           rng.Uniform(55.0, 70.0) * kDegree, rng.Uniform(1.1, 1.2));
   return places;
@@ -107,9 +107,9 @@ int MostlyShows(const world::Cluster& cluster, const cv::Mat& ids) {
   for (const int pixel : cluster.pixels) {
     ++counts[ids.at<std::uint16_t>(pixel / ids.cols, pixel % ids.cols)];
   }
-  const auto most = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
-    return a.second < b.second;
-  });
+  const auto most =
+      std::max_element(counts.begin(), counts.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
   return most->first >= sim::kFirstObjectId && most->first < sim::kTableId
              ? most->first - sim::kFirstObjectId
              : -1;
@@ -120,8 +120,8 @@ std::vector<Sighted> Classify(const std::vector<world::Cluster>& clusters, const
                               const cv::Mat& ids, const perception::Classifier& classifier) {
   std::vector<Sighted> sighted;
   for (const world::Cluster& cluster : clusters) {
-    sighted.push_back({MostlyShows(cluster, ids),
-                       classifier.Classify(color(BoundingBox(cluster, color.cols)))});
+    sighted.push_back(
+        {MostlyShows(cluster, ids), classifier.Classify(color(BoundingBox(cluster, color.cols)))});
   }
   return sighted;
 }
@@ -153,9 +153,7 @@ class HandCamera {
   HandCamera(const sim::World& world, const geometry::CameraModel& model)
       : world_(world), renderer_(world, model) {}
 
-  sim::Render Clean(const Pose& X_WC) {
-    return renderer_.Draw(X_WC, world_.StateAt(world_.Now()));
-  }
+  sim::Render Clean(const Pose& X_WC) { return renderer_.Draw(X_WC, world_.StateAt(world_.Now())); }
   cv::Mat Color(const sim::Render& clean, Rng* rng) const {
     return sim::ColorNoise(clean, world_.noise(), rng);
   }
@@ -244,7 +242,8 @@ sim::Scene DrawTestTable(const std::vector<sim::SceneObject>& things, std::uint6
   for (sim::SceneObject& thing : scene.objects) {
     for (double& coordinate : thing.position) coordinate *= kSpread;
   }
-  scene.table.color = kTestTables[static_cast<std::size_t>(rng.Index(static_cast<int>(kTestTables.size())))];
+  scene.table.color =
+      kTestTables[static_cast<std::size_t>(rng.Index(static_cast<int>(kTestTables.size())))];
   DrawLight(-std::numbers::pi, 0.0, 2.3, &scene, &rng);
   return scene;
 }
@@ -274,9 +273,9 @@ sim::Scene WithOccluders(sim::Scene scene, std::uint64_t seed) {
     towards.z() = 0.0;
     towards.normalize();
     const double reach = 0.5 * size.head<2>().maxCoeff();
-    sim::SceneBox occluder = DrawBox({0.02, std::max(0.03, 0.6 * reach * 2.0),
-                                      std::max(0.03, rng.Uniform(0.5, 0.7) * size.z())},
-                                     kTestBoxes, scene.table, &rng);
+    sim::SceneBox occluder = DrawBox(
+        {0.02, std::max(0.03, 0.8 * 2.0 * reach), std::max(0.03, rng.Uniform(0.6, 0.9) * size.z())},
+        kTestBoxes, scene.table, &rng);
     occluder.name = fmt::format("occluder {}", scene.boxes.size() + 1);
     const Vector3d center = box_W.center() + (reach + 0.035) * towards;
     occluder.position = {center.x(), center.y(), scene.table.height};
@@ -315,9 +314,9 @@ TwoViews LookTwice(const sim::Scene& scene, const perception::Classifier& classi
   views.hand = Classify(boxed, color, clean.id, classifier);
 
   const sim::NoiseConfig& noise = camera.world().noise();
-  const Pose X_WHead = Believed(places.X_WHead, noise.extrinsics_sigma,
-                                std::hypot(noise.extrinsics_sigma_deg, noise.pan_tilt_sigma_deg),
-                                &rng);
+  const Pose X_WHead =
+      Believed(places.X_WHead, noise.extrinsics_sigma,
+               std::hypot(noise.extrinsics_sigma_deg, noise.pan_tilt_sigma_deg), &rng);
   const Pose X_WHand = Believed(places.X_WHand, std::hypot(noise.hand_eye_sigma, noise.arm_sigma),
                                 std::hypot(noise.hand_eye_sigma_deg, noise.arm_sigma_deg), &rng);
   std::vector<Vector3d> p_AO;
@@ -349,9 +348,9 @@ perception::TrainingSet RenderTrainingSet(const std::vector<sim::SceneObject>& t
       scene.objects.back().position = {rng.Uniform(-0.1, 0.1), rng.Uniform(-0.1, 0.1)};
       scene.objects.back().yaw_deg = rng.Uniform(-180.0, 180.0);
     } else {
-      scene.boxes.push_back(DrawBox(
-          {rng.Uniform(0.02, 0.1), rng.Uniform(0.03, 0.15), rng.Uniform(0.03, 0.15)},
-          kTrainingBoxes, scene.table, &rng));
+      scene.boxes.push_back(
+          DrawBox({rng.Uniform(0.02, 0.1), rng.Uniform(0.03, 0.15), rng.Uniform(0.03, 0.15)},
+                  kTrainingBoxes, scene.table, &rng));
     }
     crops[static_cast<std::size_t>(i)] =
         Crops(scene, thing != things.end() ? sim::kFirstObjectId : sim::kBoxId, own);
@@ -363,7 +362,8 @@ perception::TrainingSet RenderTrainingSet(const std::vector<sim::SceneObject>& t
       hash = Fnv1a(std::string_view(reinterpret_cast<const char*>(bytes.data),
                                     bytes.total() * bytes.elemSize()),
                    hash);
-      set.images.push_back({fmt::format("rendered {}", set.images.size()), i / kTrainingTables, crop});
+      set.images.push_back(
+          {fmt::format("rendered {}", set.images.size()), i / kTrainingTables, crop});
     }
   }
   set.hash = "fnv1a " + HexDigits(hash);

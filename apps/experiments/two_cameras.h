@@ -25,15 +25,15 @@ struct TwoViews {
   std::vector<fusion::CrossMatch> matches;  ///< Between the two, by index.
 };
 
-/// A table with all of `things` at random, not crowded, in the light and on the tables that the test is made
-/// with.
+/// A table with all of `things` at random, not crowded, in the light and on the tables that the
+/// test is made with.
 sim::Scene DrawTestTable(const std::vector<sim::SceneObject>& things, std::uint64_t seed);
 
 /// `scene` with up to three boxes on the table, each hiding a part of one of its objects from the
 /// head of LookTwice(scene, …, seed).
 sim::Scene WithOccluders(sim::Scene scene, std::uint64_t seed);
 
-/// Looks at the table from the head (1.3 to 1.6 m away, 35 to 50 degrees above it), and from the
+/// Looks at the table from the head (1.3 to 1.6 m away, 20 to 35 degrees above it), and from the
 /// hand (1.1 to 1.2 m, 55 to 70 degrees) 50 to 110 degrees further round; cuts the head's view by
 /// depth, the hand's by the background of the empty table (BackgroundModel), matches what is there
 /// by the calibration with the design's errors, and asks `classifier` about the crops. All chance
@@ -41,8 +41,8 @@ sim::Scene WithOccluders(sim::Scene scene, std::uint64_t seed);
 TwoViews LookTwice(const sim::Scene& scene, const perception::Classifier& classifier,
                    std::uint64_t seed);
 
-/// Pictures of `things`, each alone, whole and in part, and of boxes as the class of the background:
-/// in other light, on other tables and from other poses than any test's.
+/// Pictures of `things`, each alone, whole and in part, and of boxes as the class of the
+/// background: in other light, on other tables and from other poses than any test's.
 perception::TrainingSet RenderTrainingSet(const std::vector<sim::SceneObject>& things,
                                           std::uint64_t seed);
 
