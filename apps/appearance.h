@@ -10,8 +10,8 @@
 #include "lib/perception/appearance/classifier.h"
 #include "lib/perception/recognition_model.h"
 #include "lib/world/mass_function.h"
-#include "lib/world/object_database.h"
 #include "lib/world/object_belief.h"
+#include "lib/world/object_database.h"
 #include "lib/world/scene_belief.h"
 
 namespace secondlook::apps {
@@ -35,8 +35,8 @@ fusion::Appearance AppearanceOf(const world::ObjectBelief& object, const world::
 
 /// The classifier of the model file `path`, for a mission with this database; null for "". Warns of
 /// the models that it does not tell of: these are known by shape alone.
-/// @throws ConfigError as LoadClassifier(), and naming the file and both lists when it tells of none
-/// of the models.
+/// @throws ConfigError as LoadClassifier(), and naming the file and both lists when it tells of
+/// none of the models.
 std::unique_ptr<perception::Classifier> LoadMissionClassifier(
     const std::filesystem::path& path, const world::ObjectDatabase& database);
 

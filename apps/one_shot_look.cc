@@ -79,8 +79,7 @@ planning::Belief ClassBelief(const world::ObjectBelief& object, const world::Tas
     sum += p;
   }
   // What is none of them is decided by shape and views spent, not by how likely it is.
-  belief.alternatives.push_back(
-      {std::max(0.0, 1.0 - sum), std::nextafter(1.0, 0.0)});
+  belief.alternatives.push_back({std::max(0.0, 1.0 - sum), std::nextafter(1.0, 0.0)});
   return belief;
 }
 
@@ -129,8 +128,8 @@ std::optional<world::Look> OneShotLook(const world::SceneBelief& scene,
       planning::ScoreTiles(crop, nullptr),
       {{Criterion::kVariance}, {Criterion::kMetricParallelism}, {Criterion::kLight}},
       planning::VoteRule::kBorda);
-  const std::optional<Tile> tile = ranking.Best(
-      [&](Tile side) { return LookFrom(side, view, object, looks) != nullptr; });
+  const std::optional<Tile> tile =
+      ranking.Best([&](Tile side) { return LookFrom(side, view, object, looks) != nullptr; });
   if (!tile) return std::nullopt;
   world::Look look = *LookFrom(*tile, view, object, looks);
   const double gain = ClassificationGain(object, task, classifier.classes(),
