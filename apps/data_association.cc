@@ -229,7 +229,7 @@ void DataAssociation::AddDetection(int view, world::Cluster cluster, ObjectBelie
   for (const int pixel : cluster.pixels) {
     labels.at<int>(pixel / labels.cols, pixel % labels.cols) = detection;
   }
-  detections.push_back({std::move(cluster), {}, ""});
+  detections.push_back({std::move(cluster), {}, "", {}});
   AddSighting(view, detection, object);
 }
 

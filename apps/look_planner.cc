@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/guiding_hypotheses.h"
+#include "apps/one_shot_look.h"
 #include "lib/fusion/dempster_shafer.h"
 #include "lib/planning/collision.h"
 #include "lib/planning/cost_map.h"
@@ -111,6 +112,16 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
     if (!arm_ || !arm_looks_) continue;
     add(Score(space, targets[t], ground, LookWay::kArm,
               arm_->Views(box_W.center(), id, stance, *around_arm), rng));
+  }
+  if (classifier_ != nullptr && ByLoss()) {
+    for (int t = 0; t < static_cast<int>(question.open.size()); ++t) {
+      const std::optional<world::Look> look = OneShotLook(
+          scene.belief(), *question.open[t], task, *classifier_, conclude_.view_reliability,
+          config_.aspect_graph.loss, config_.aspect_graph.look_seconds, looks);
+      if (!look) continue;
+      looks.push_back(*look);
+      target_of.push_back(t);
+    }
   }
   if (ByLoss()) AddGainsBeside(space, ground, targets, target_of, &looks);
   return looks;

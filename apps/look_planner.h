@@ -50,6 +50,9 @@ class LookPlanner {
   /// Looks by this arm are offered beside the others from now on.
   void KnowArm(ArmLooks arm) { arm_.emplace(std::move(arm)); }
 
+  /// Looks by the one-shot vote (one_shot_look.h) are offered, too. It must outlive this.
+  void KnowClassifier(const perception::Classifier& classifier) { classifier_ = &classifier; }
+
   /// The arm has set out along `motion` and stands at `q` [rad]. @pre it is known.
   void NoteArm(const hal::JointTrajectory& motion, const Eigen::VectorXd& q) {
     arm_->Follow(motion, q);
@@ -117,6 +120,7 @@ class LookPlanner {
   std::optional<ArmLooks> arm_;
   bool arm_looks_{true};                                    // it can take looks
   bool arm_lost_{};                                         // it can not even be folded
+  const perception::Classifier* classifier_{};              // null: none
   std::map<std::string, geometry::RayCaster> ray_casters_;  // by name of the model
   std::optional<hal::Workspace> workspace_;
   std::vector<Blocked> blocked_;

@@ -86,6 +86,13 @@ class Mission {
   /// @throws ConfigError when it is not within the cylinder that the base drives as.
   void KnowArm(const kinematics::EyeInHand& hand);
 
+  /// What each thing looks like is asked of `classifier`, which must outlive this, too. To be
+  /// called before the first step.
+  void KnowClassifier(const perception::Classifier& classifier) {
+    scene_.KnowClassifier(classifier);
+    planner_.KnowClassifier(classifier);
+  }
+
   /// What is wanted from the next step on.
   /// @throws ConfigError when `task` is not valid or wants a class that is not in the database.
   void SetTask(const world::Task& task);

@@ -68,9 +68,10 @@ Json ToJson(const ObjectBelief& object) {
   Json json;
   json["id"] = object.id;
   json["state"] = ToString(object.state);
-  json["class"] = object.state == ObjectState::kUnknown ? Json("unknown")
-                  : best == nullptr                     ? Json(nullptr)
-                                                        : Json(best->model);
+  json["class"] = object.state == ObjectState::kUnknown      ? Json("unknown")
+                  : object.state == ObjectState::kClassified ? Json(object.LeadingClass())
+                  : best == nullptr                          ? Json(nullptr)
+                                                             : Json(best->model);
   json["posterior"] = Posterior(object.masses);
   json["p_WO"] = VectorToJson(object.extent_W.center());
   json["extent"] = VectorToJson(object.extent_W.sizes());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/appearance.h"
 #include "lib/fusion/conclude.h"
 #include "lib/fusion/pose_fusion.h"
 #include "lib/perception/refine.h"
@@ -234,7 +235,9 @@ void MultiViewVerification::ExamineTurns(ObjectBelief* object) {
 }
 
 void MultiViewVerification::Conclude(ObjectBelief* object) const {
-  fusion::Conclude(task_, config_.conclude, ClearViews(*object), object);
+  fusion::Conclude(task_, config_.conclude, ClearViews(*object),
+                   AppearanceOf(*object, belief_, models_, config_.conclude.view_reliability),
+                   object);
 }
 
 void MultiViewVerification::Complete(ObjectBelief* object) {

@@ -40,13 +40,16 @@ void PrintSummary(const Mission& mission, double processor_seconds) {
   for (const world::ObjectBelief& object : mission.belief().objects) {
     if (object.state == world::ObjectState::kRejected) continue;
     const world::PoseHypothesis* best = object.Best();
-    const bool unknown = object.state == world::ObjectState::kUnknown || best == nullptr;
+    const bool classified = object.state == world::ObjectState::kClassified;
+    const bool unknown =
+        object.state == world::ObjectState::kUnknown || (best == nullptr && !classified);
+    const std::string name = unknown ? "-" : classified ? object.LeadingClass() : best->model;
     const double belief = unknown ? fusion::NormalisedIgnorance(object.masses)
-                                  : fusion::NormalisedBelief(object.masses, best->model);
+                                  : fusion::NormalisedBelief(object.masses, name);
     const Eigen::Vector3d p = object.extent_W.center();
     fmt::print("{:3}  {:10} {:16} {:6.3f}  {:5}  ({:6.3f}, {:6.3f}, {:5.3f})  {}\n", object.id,
-               ToString(object.state), unknown ? "-" : best->model, belief, object.sightings.size(),
-               p.x(), p.y(), p.z(), object.reason);
+               ToString(object.state), name, belief, object.sightings.size(), p.x(), p.y(), p.z(),
+               object.reason);
   }
   const MissionRecord& record = mission.record();
   fmt::print(

@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 /// Every path in `config` that is relative.
 std::vector<std::string*> RelativePaths(RunConfig* config) {
-  std::vector<std::string*> paths{&config->models};
+  std::vector<std::string*> paths{&config->models, &config->classifier};
   if (auto* sim = std::get_if<sim::SimConfig>(&config->robot)) {
     paths.push_back(&sim->scene);
     if (sim->arm) paths.push_back(&sim->arm->urdf);

@@ -22,7 +22,8 @@ using RobotConfig = std::variant<sim::SimConfig, RealConfig>;
 /// The configuration of `secondlook run` and `check`.
 struct RunConfig {
   RobotConfig robot;
-  std::string models;  ///< Folder of the object database.
+  std::string models;      ///< Folder of the object database.
+  std::string classifier;  ///< Model file of a classifier of what things look like; "": none.
   world::Task task;
   MissionConfig mission;
   SafetyConfig safety;
@@ -33,6 +34,7 @@ struct RunConfig {
   void Serialize(A* a) {
     a->Visit("robot", &robot);
     a->Visit("models", &models);
+    a->Visit("classifier", &classifier);
     a->Visit("task", &task);
     a->Visit("mission", &mission);
     a->Visit("safety", &safety);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "apps/appearance.h"
 #include "apps/register_capture.h"
 #include "lib/geometry/point_image.h"
 #include "lib/perception/regroup.h"
@@ -208,13 +209,15 @@ std::vector<world::Detection> SceneUnderstanding::Recognise(const perception::Vi
       open, models_, config_.recognise);
   std::vector<int> objects = Association().AfterRegrouping(found, X_WC, things->objects);
   for (std::size_t i = open.size(); i < things->clusters.size(); ++i) {
-    found.detections.push_back({things->clusters[i], {}, ""});
+    found.detections.push_back({things->clusters[i], {}, "", {}});
     objects.push_back(things->objects[i]);
   }
   things->objects = std::move(objects);
   things->clusters.clear();
-  for (const world::Detection& detection : found.detections) {
+  for (world::Detection& detection : found.detections) {
     things->clusters.push_back(detection.cluster);
+    if (classifier_ == nullptr) continue;
+    detection.appearance = LooksOf(detection.cluster, view.color, *classifier_);
   }
   return std::move(found.detections);
 }

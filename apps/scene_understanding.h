@@ -9,6 +9,7 @@
 #include "apps/multi_view_verification.h"
 #include "apps/scene_map.h"
 #include "apps/support_planes.h"
+#include "lib/perception/appearance/classifier.h"
 #include "lib/perception/recognition_model.h"
 #include "lib/perception/register_view.h"
 #include "lib/perception/view.h"
@@ -45,6 +46,9 @@ class SceneUnderstanding {
   /// @pre none of its name is known.
   void Learn(const world::ObjectModel& model);
 
+  /// Asks `classifier`, which must outlive this, what each thing looks like, from the next view on.
+  void KnowClassifier(const perception::Classifier& classifier) { classifier_ = &classifier; }
+
   /// What is wanted from now on.
   void SetTask(const world::Task& task) { task_ = task; }
 
@@ -76,6 +80,7 @@ class SceneUnderstanding {
   UnderstandingConfig config_;
   world::Task task_;
   std::vector<perception::RecognitionModel> models_;
+  const perception::Classifier* classifier_{};  // null: things are known by shape alone
   SceneMap map_;
   SupportPlanes planes_;
   std::vector<GoneThing> gone_;          // and not found again

@@ -202,9 +202,10 @@ second_look::object_t ToMessage(const world::ObjectBelief& object) {
   second_look::object_t message{};
   message.id = object.id;
   message.state = ToString(object.state);
-  message.class_name = object.state == world::ObjectState::kUnknown ? "unknown"
-                       : best == nullptr                            ? ""
-                                                                    : best->model;
+  message.class_name = object.state == world::ObjectState::kUnknown      ? "unknown"
+                       : object.state == world::ObjectState::kClassified ? object.LeadingClass()
+                       : best == nullptr                                 ? ""
+                                                                         : best->model;
   message.reason = Shortened(object.reason);
   message.posterior = Posterior(object.masses);
   message.num_posterior = static_cast<std::int32_t>(message.posterior.size());

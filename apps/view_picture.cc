@@ -12,6 +12,7 @@ namespace {
 cv::Scalar ColorOf(world::ObjectState state) {
   switch (state) {
     case world::ObjectState::kVerified:
+    case world::ObjectState::kClassified:
     case world::ObjectState::kModelled:
       return {60, 220, 90};
     case world::ObjectState::kUnknown:
@@ -25,6 +26,8 @@ std::string Caption(const world::ObjectBelief& object) {
   switch (object.state) {
     case world::ObjectState::kVerified:
       return object.Best()->model;
+    case world::ObjectState::kClassified:
+      return object.LeadingClass();
     case world::ObjectState::kUnknown:
       return "unknown";
     default:

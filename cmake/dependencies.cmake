@@ -38,7 +38,7 @@ find_program(SECONDLOOK_LCM_GEN lcm-gen REQUIRED)
 # found by hand.
 find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 foreach(module core imgproc imgcodecs surface_matching features2d objdetect ml dnn aruco calib3d
-               videoio)
+               video videoio)
   find_library(OPENCV_${module} opencv_${module} REQUIRED)
   add_library(opencv_${module} UNKNOWN IMPORTED)
   set_target_properties(opencv_${module} PROPERTIES IMPORTED_LOCATION ${OPENCV_${module}}

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/appearance.h"
 #include "apps/capture.h"
 #include "apps/commands/commands.h"
 #include "apps/make_robot.h"
@@ -339,6 +340,12 @@ int RunCheck(const CheckOptions& options) {
       RequireKnownClasses(config.task, *database);
       return config.task.wanted.empty() ? std::string("everything on the table")
                                         : fmt::format("{} classes", config.task.wanted.size());
+    });
+  }
+  if (database && !config.classifier.empty()) {
+    list.Check("classifier", [&] {
+      const auto classifier = LoadMissionClassifier(config.classifier, *database);
+      return fmt::format("{}: {} classes", config.classifier, classifier->classes().size());
     });
   }
   if (const auto* sim = std::get_if<sim::SimConfig>(&config.robot)) {

@@ -25,6 +25,7 @@ constexpr Experiment kExperiments[] = {
     {"recognition", RunRecognitionExperiment, 10, 48},
     {"real-frames", RunRealFramesExperiment, 1000000, 0},  // all that there are
     {"nbv-dataset", RunNbvDatasetExperiment, 1000000, 0},  // likewise
+    {"ds-fusion", RunDsFusionExperiment, 65, 0},
     {"pose-averaging", RunPoseAveragingExperiment, 3, 20},
     {"segmentation", RunSegmentationExperiment, 0, 0},  // 50 views, or all clouds that there are
     {"unobstructed", RunUnobstructedExperiment, 200, 0},

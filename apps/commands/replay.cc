@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/appearance.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/mission_status.h"
 #include "apps/decision_check.h"
@@ -111,6 +112,7 @@ class Replayed {
       : recording_(recording),
         on_disk_(on_disk),
         database_(AtTheStart(recording, on_disk)),
+        classifier_(LoadMissionClassifier(config.classifier, database_)),
         check_(recording),
         playback_(recording),
         advance_(&playback_),
@@ -122,6 +124,7 @@ class Replayed {
         start_(DescribeStart(config, database_, robot_.clock->Now())) {
     if (recording.robot.arm) mission_.KnowArm(recording.robot.arm->hand);
     if (config.safety.limits.workspace) mission_.KeepWithin(*config.safety.limits.workspace);
+    if (classifier_) mission_.KnowClassifier(*classifier_);
     if (follow) mission_.LetChoose(FollowLooks(recording, &check_));
   }
 
@@ -183,7 +186,8 @@ class Replayed {
 
   const hal::Recording& recording_;
   const world::ObjectDatabase& on_disk_;
-  world::ObjectDatabase database_;  // what the mission knows
+  world::ObjectDatabase database_;                      // what the mission knows
+  std::unique_ptr<perception::Classifier> classifier_;  // null: none
   DecisionCheck check_;
   hal::Playback playback_;
   Advance advance_;

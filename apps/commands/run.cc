@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/appearance.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/mission_status.h"
 #include "apps/device_health.h"
@@ -123,6 +124,7 @@ int Run(const RunOptions& options) {
   auto database = world::ObjectDatabase::Load(config.models);
   ModelWatch watch(config.models, database);
   RequireKnownClasses(config.task, database);
+  const auto classifier = LoadMissionClassifier(config.classifier, database);
   std::optional<MissionLog> log;
   if (!options.log.empty()) log.emplace(options.log, options.log_split_mb);
   hal::Guard guard(config.safety.limits);
@@ -148,6 +150,7 @@ int Run(const RunOptions& options) {
   if (config.safety.confirm) {
     mission.LetConfirm([&](const world::Look&) { executive.WaitForConfirmation(); });
   }
+  if (classifier) mission.KnowClassifier(*classifier);
   const second_look::mission_t start = DescribeStart(config, database, robot.clock->Now());
   publisher.Mission(start);
   Progress progress = Progress::kMore;

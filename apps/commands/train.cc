@@ -110,7 +110,7 @@ void Train(const TrainOptions& options) {
 void AddTrain(CLI::App* app, int*) {
   CLI::App* train = app->add_subcommand("train", "Trains a classifier of crops on images");
   const auto options = std::make_shared<TrainOptions>();  // outlives this function in the callback
-  options->background = "Background";
+  options->background = perception::kBackgroundClass;
   train
       ->add_option("--images", options->images, "Folder with a sub-folder of images for each class")
       ->required();

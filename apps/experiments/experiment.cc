@@ -11,11 +11,15 @@
 #include "lib/common/error.h"
 #include "lib/common/files.h"
 #include "lib/common/parallel.h"
+#include "lib/common/stopwatch.h"
 
 namespace secondlook::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// A result that takes long to summarise and write is written after so many times as long.
+constexpr double kTimesWriting = 20.0;
 
 double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -100,14 +104,21 @@ std::vector<Json> RunTrials(
   const auto result = [&] {
     return ResultOf(name, options, details(), summarise(details()), ProcessorSeconds() - start);
   };
-  std::mutex mutex;  // guards `done` and the file
+  std::mutex mutex;  // guards what follows, `done` and the file
+  Stopwatch since_written;
+  double written_in = 0.0;  // [s]
   const ThreadLimit limit(options.threads);
   ParallelFor(static_cast<int>(open.size()), [&](int i) {
     Json one = trial(open[i]);
     one["trial"] = open[i];
     const std::lock_guard lock(mutex);
     done[open[i]] = std::move(one);
-    if (!options.json.empty() && options.json != "-") WriteJson(result(), options.json);
+    if (options.json.empty() || options.json == "-") return;
+    if (since_written.Seconds() < kTimesWriting * written_in) return;
+    const Stopwatch writing;
+    WriteJson(result(), options.json);
+    written_in = writing.Seconds();
+    since_written = {};
   });
   const Json all = result();
   if (!options.json.empty()) WriteJson(all, options.json);

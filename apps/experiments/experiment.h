@@ -40,8 +40,9 @@ struct Row {
 };
 
 /// Runs `trial(t)` for the trials of the shard, side by side, and returns their results in the
-/// order of t. After each one, those that are done are written to `options.json`, so that --resume
-/// can go on from there; `summarise` makes the rows from all that are done.
+/// order of t. After each one, or less often where that would take long, those that are done are
+/// written to `options.json`, so that --resume can go on from there; `summarise` makes the rows
+/// from all that are done.
 std::vector<nlohmann::ordered_json> RunTrials(
     const std::string& name, const ExperimentOptions& options,
     const std::function<nlohmann::ordered_json(int)>& trial,
@@ -66,6 +67,13 @@ void RunRealFramesExperiment(const ExperimentOptions& options);
 /// @throws ConfigError without `options.classifier`, for a folder without sets, or files that
 /// cannot be read.
 void RunNbvDatasetExperiment(const ExperimentOptions& options);
+
+/// Eight things on a table seen by the camera on the head and the one in the hand, and what they
+/// are by either or both (Hoseini 2018, Section 3), with and without things that hide parts of
+/// some. A trial is a table. Without `options.classifier` a machine is trained on rendered
+/// pictures.
+/// @throws ConfigError for a folder of fewer than eight models, or a classifier of other classes.
+void RunDsFusionExperiment(const ExperimentOptions& options);
 
 /// Segmentation of clouds in which each point is labelled: a trial is a PCD of the folder
 /// `options.data`, or without one a simulated view of a crowded table. The baseline is the same

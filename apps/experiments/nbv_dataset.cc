@@ -31,7 +31,6 @@ using planning::ObjectCrop;
 
 constexpr std::array kFronts{"Front_Down", "Front_Up"};
 constexpr int kSetsInABlock = 40;  // of one light and background
-constexpr const char* kBackground = "Background";
 
 struct SetFiles {
   int number{};
@@ -97,7 +96,7 @@ class ObjectClassifier {
   explicit ObjectClassifier(const std::string& path)
       : classifier_(perception::LoadClassifier(path)) {
     for (std::size_t c = 0; c < classifier_->classes().size(); ++c) {
-      if (classifier_->classes()[c] == kBackground) continue;
+      if (classifier_->classes()[c] == perception::kBackgroundClass) continue;
       kept_.push_back(c);
       shared_.classes.push_back(classifier_->classes()[c]);
     }

@@ -172,16 +172,18 @@ class Analysis {
   std::map<FusionRule, std::vector<std::vector<Decided>>> decided_;
 };
 
-/// The side that a vote ranks first; any, when all are refused.
+/// The side that a vote ranks first, or `rank` places after it; any, when there are not so many
+/// that are not refused.
 Choice Vote(const std::array<ScoredTile, kSideCount>& sides,
-            const std::vector<planning::Voter>& voters, planning::VoteRule rule, bool refuse) {
+            const std::vector<planning::Voter>& voters, planning::VoteRule rule, bool refuse,
+            std::size_t rank = 0) {
   std::vector<ScoredTile> tiles(sides.begin(), sides.end());
   if (!refuse) {
     for (ScoredTile& tile : tiles) tile.refusal.clear();
   }
   const planning::TileRanking ranking = RankTiles(tiles, voters, rule);
-  if (ranking.tiles.empty()) return kAnySide;
-  const auto* const side = std::find(kSides.begin(), kSides.end(), ranking.tiles.front().tile);
+  if (ranking.tiles.size() <= rank) return kAnySide;
+  const auto* const side = std::find(kSides.begin(), kSides.end(), ranking.tiles[rank].tile);
   return Only(static_cast<std::size_t>(side - kSides.begin()));
 }
 
@@ -416,6 +418,8 @@ class Rows {
     Gates();
     WrongMatches();
     Distortions();
+    Blocks();
+    Ranks();
     return rows_;
   }
 
@@ -549,6 +553,46 @@ class Rows {
            BootstrappedRatio(analysis_.Right(kMain, Named(Ours()), Analysis::kAlways, d), count),
            {},
            single.value});
+    }
+  }
+
+  /// A block of sets has a light and a background of its own.
+  void Blocks() {
+    const std::vector<double> single =
+        analysis_.Right(kMain, Named("random side"), Analysis::kNever);
+    const std::vector<double> ours = analysis_.Right(kMain, Named(Ours()));
+    const std::vector<double> count = analysis_.Count();
+    std::set<int> blocks;
+    for (const NbvSet& set : analysis_.sets()) blocks.insert(set.block);
+    for (const int block : blocks) {
+      const auto of_block = [&](const std::vector<double>& values) {
+        std::vector<double> some;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          if (analysis_.sets()[i].block == block) some.push_back(values[i]);
+        }
+        return some;
+      };
+      rows_.push_back({fmt::format("light and background {}: accuracy, {}", block + 1, Ours()),
+                       BootstrappedRatio(of_block(ours), of_block(count)),
+                       {},
+                       BootstrappedRatio(of_block(single), of_block(count)).value});
+    }
+  }
+
+  /// Whether a side that the paper's vote ranks higher is the better one.
+  void Ranks() {
+    const double random =
+        BootstrappedRatio(analysis_.Right(kMain, Named("random side")), analysis_.Count()).value;
+    for (std::size_t rank = 0; rank < kSideCount; ++rank) {
+      const auto ranked = [&](int set, int which) {
+        return Vote(analysis_.sets()[set].cases[which].sides, planning::PaperVoters(),
+                    planning::VoteRule::kPlurality, false, rank);
+      };
+      rows_.push_back(
+          {fmt::format("accuracy from the side that the paper's vote ranks {}", rank + 1),
+           BootstrappedRatio(analysis_.Right(kMain, ranked), analysis_.Count()),
+           {},
+           random});
     }
   }
 

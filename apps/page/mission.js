@@ -82,7 +82,7 @@ function collect(step, key, message, list) {
 
 // verified, unknown or open: what an object's state means to a reader.
 function standing(object) {
-  if (object.state === 'verified' || object.state === 'modelled') return 'verified';
+  if (['verified', 'classified', 'modelled'].includes(object.state)) return 'verified';
   return object.state === 'unknown' ? 'unknown' : 'open';
 }
 

@@ -140,6 +140,55 @@ world::MassFunction FuseViews(const ObjectBelief& object, const ConcludeConfig& 
   return fused;
 }
 
+/// What shape says, with what the pictures say of it. `refuted`: no model fits, though it should
+/// by now.
+world::MassFunction Joined(const world::MassFunction& shape, const Appearance& appearance,
+                           const ObjectBelief& object, bool refuted) {
+  world::MassFunction looks = appearance.masses;
+  if (looks.singletons.empty()) return shape;
+  for (const auto& [c, h] : BestByClass(object)) {
+    if (!looks.singletons.contains(c)) return shape;
+  }
+  for (auto& [c, mass] : looks.singletons) {
+    if (!refuted || appearance.without_model.contains(c)) continue;
+    looks.conflict += mass;
+    mass = 0.0;
+  }
+  return Combine(shape, looks);
+}
+
+bool HasHypothesis(const ObjectBelief& object, const std::string& c) {
+  return std::any_of(object.hypotheses.begin(), object.hypotheses.end(),
+                     [&](const PoseHypothesis& h) { return !h.struck && h.model == c; });
+}
+
+/// Concludes what leads by the pictures, and no hypothesis stands for; false where nothing does.
+/// `fits`: some model does. `seen`: from enough sides.
+bool ConcludeByLooks(const world::Task& task, const ConcludeConfig& config,
+                     const Appearance& appearance, bool fits, bool seen, ObjectBelief* object) {
+  const std::string c = object->LeadingClass();
+  if (c.empty() || HasHypothesis(*object, c)) return false;
+  const double belief = NormalisedBelief(object->masses, c);
+  const double needed = task.ConfidenceFor(c);
+  if (!appearance.without_model.contains(c)) {
+    if (belief < needed) return false;
+    object->reason =
+        fmt::format("looks like '{}' at {:.2f}, but its model fits nowhere", c, belief);
+    return true;
+  }
+  if (belief >= needed && seen) {
+    object->state = ObjectState::kClassified;
+    object->reason = fmt::format("'{}' at {:.3f} by its looks; there is no model of it", c, belief);
+    return true;
+  }
+  const bool unlike_all = NormalisedIgnorance(object->masses) >= config.unknown_ignorance;
+  if (belief < needed && (fits || unlike_all)) return false;
+  object->reason = fmt::format(
+      "looks like '{}' at {:.2f}, of which there is no model; needs {:.2f} from {} sides", c,
+      belief, needed, config.unknown_views);
+  return true;
+}
+
 /// Another pose of the best hypothesis's model that the views cannot rule out, or null.
 const PoseHypothesis* PoseRival(const ObjectBelief& object, const ConcludeConfig& config) {
   const PoseHypothesis& best = object.hypotheses.front();
@@ -192,39 +241,43 @@ double NeededLead(const ConcludeConfig& config, const PoseHypothesis& best,
 
 void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
               ObjectBelief* object) {
+  Conclude(task, config, clear_views, {}, object);
+}
+
+void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
+              const Appearance& appearance, ObjectBelief* object) {
   for (PoseHypothesis& h : object->hypotheses) Weigh(config, &h);
   std::stable_sort(object->hypotheses.begin(), object->hypotheses.end(),
                    [](const PoseHypothesis& a, const PoseHypothesis& b) {
                      if (a.struck != b.struck) return b.struck;
                      return a.support > b.support;
                    });
-  object->masses = FuseViews(*object, config);
-  object->state = ObjectState::kCandidate;
-
+  const world::MassFunction shape = FuseViews(*object, config);
   const PoseHypothesis* best = object->Best();
-  const double ignorance = NormalisedIgnorance(object->masses);
-  if (best == nullptr || ignorance >= config.unknown_ignorance) {
-    const std::string fits = best == nullptr
-                                 ? "no model in the database fits"
-                                 : fmt::format("the nearest model is '{}' with support {:.2f}",
-                                               best->model, best->support);
-    if (clear_views >= config.unknown_views) {
+  const bool fits = best != nullptr && NormalisedIgnorance(shape) < config.unknown_ignorance;
+  const bool seen = clear_views >= config.unknown_views;
+  object->masses = Joined(shape, appearance, *object, !fits && seen);
+  object->state = ObjectState::kCandidate;
+  if (ConcludeByLooks(task, config, appearance, fits, seen, object)) return;
+  if (!fits) {
+    const std::string nearest = best == nullptr
+                                    ? "no model in the database fits"
+                                    : fmt::format("the nearest model is '{}' with support {:.2f}",
+                                                  best->model, best->support);
+    if (seen) {
       object->state = ObjectState::kUnknown;
       object->reason =
-          fmt::format("{} after {} clear views; m(Omega) = {:.2f}, m(empty) = {:.2f}", fits,
+          fmt::format("{} after {} clear views; m(Omega) = {:.2f}, m(empty) = {:.2f}", nearest,
                       clear_views, object->masses.omega, object->masses.conflict);
     } else {
-      object->reason = fmt::format("low confidence: {} in {} clear view{}", fits, clear_views,
+      object->reason = fmt::format("low confidence: {} in {} clear view{}", nearest, clear_views,
                                    clear_views == 1 ? "" : "s");
     }
     return;
   }
 
   // The class that the views agree on leads, which need not be that of the single best pose.
-  const auto leader =
-      std::max_element(object->masses.singletons.begin(), object->masses.singletons.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
-  const std::string& c = leader->first;
+  const std::string c = object->LeadingClass();
   std::stable_partition(object->hypotheses.begin(), object->hypotheses.end(),
                         [&](const PoseHypothesis& h) { return !h.struck && h.model == c; });
   best = &object->hypotheses.front();
@@ -241,7 +294,7 @@ void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_v
       second_mass = mass;
     }
     object->reason =
-        second_mass > 0.1 * leader->second
+        second_mass > 0.1 * object->masses.Of(c)
             ? fmt::format("several hypotheses: '{}' at {:.2f}, '{}' at {:.2f}; needs {:.2f}", c,
                           belief, second, NormalisedBelief(object->masses, second), needed)
             : fmt::format("low confidence: '{}' at {:.2f}; needs {:.2f}", c, belief, needed);

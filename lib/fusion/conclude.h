@@ -1,5 +1,9 @@
 #pragma once
 
+#include <set>
+#include <string>
+
+#include "lib/world/mass_function.h"
 #include "lib/world/object_belief.h"
 #include "lib/world/task.h"
 
@@ -72,6 +76,12 @@ double Lead(const ConcludeConfig& config, const world::PoseHypothesis& a,
 double NeededLead(const ConcludeConfig& config, const world::PoseHypothesis& best,
                   const world::PoseHypothesis& other);
 
+/// What the pictures of an object say of its class, whatever its shape.
+struct Appearance {
+  world::MassFunction masses;           ///< Of all its views together; vacuous: nothing.
+  std::set<std::string> without_model;  ///< Those of its classes that shape cannot tell of.
+};
+
 /// Draws the conclusion from the evidence in `object->hypotheses`: sets
 /// every hypothesis's support, struck and reason, their order, the object's
 /// masses, state and reason. `clear_views` is the number of views in which it was seen well
@@ -87,6 +97,17 @@ double NeededLead(const ConcludeConfig& config, const world::PoseHypothesis& bes
 ///   some view with colours that agree well and by most of what was seen of it, and no other pose
 ///   of the class comes near. Unknown: see ConcludeConfig. Otherwise the object stays a candidate,
 ///   and the reason says what is open.
+/// - `appearance` joins the masses by the same rule, so that a print can settle what fits several
+///   models alike. It makes no model fit: whether one does is for shape to say, and after enough
+///   clear views in which none does, what the pictures say of classes that have one is conflict: a
+///   new object. Nor is it asked where a hypothesis stands for a class that it does not tell of.
+/// - Classified: no model is known of the class that leads, and it has the confidence that the task
+///   asks for, after as many clear views as "unknown" takes. With less it stays a candidate, unless
+///   so little speaks for it that the object is unknown.
+void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
+              const Appearance& appearance, world::ObjectBelief* object);
+
+/// The same by shape alone.
 void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_views,
               world::ObjectBelief* object);
 

@@ -10,6 +10,8 @@ const char* ToString(ObjectState state) {
       return "candidate";
     case ObjectState::kVerified:
       return "verified";
+    case ObjectState::kClassified:
+      return "classified";
     case ObjectState::kRejected:
       return "rejected";
     case ObjectState::kUnknown:
@@ -30,6 +32,13 @@ const ViewEvidence* PoseHypothesis::BestView() const {
   };
   const auto best = std::max_element(evidence.begin(), evidence.end(), worse);
   return best == evidence.end() ? nullptr : &*best;
+}
+
+std::string ObjectBelief::LeadingClass() const {
+  const auto leader =
+      std::max_element(masses.singletons.begin(), masses.singletons.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  return leader == masses.singletons.end() ? "" : leader->first;
 }
 
 }  // namespace secondlook::world

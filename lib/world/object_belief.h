@@ -11,8 +11,17 @@
 
 namespace secondlook::world {
 
-/// How settled an object is.
-enum class ObjectState { kCandidate, kVerified, kRejected, kUnknown, kModelling, kModelled };
+/// How settled an object is. Classified is what is known by its looks alone: a class that has no
+/// model, and so no pose.
+enum class ObjectState {
+  kCandidate,
+  kVerified,
+  kClassified,
+  kRejected,
+  kUnknown,
+  kModelling,
+  kModelled
+};
 
 /// The name of a state as mission.json writes it, e.g. "verified".
 const char* ToString(ObjectState state);
@@ -65,7 +74,11 @@ struct ObjectBelief {
     return hypotheses.empty() || hypotheses.front().struck ? nullptr : &hypotheses.front();
   }
 
-  /// True when no further look can be asked for: verified, rejected, unknown or modelled.
+  /// The class with the largest mass, the first by name of equals; "" where none has any.
+  std::string LeadingClass() const;
+
+  /// True when no further look can be asked for: verified, classified, rejected, unknown or
+  /// modelled.
   bool Settled() const {
     return state != ObjectState::kCandidate && state != ObjectState::kModelling;
   }

@@ -8,6 +8,7 @@
 #include "lib/common/pose.h"
 #include "lib/hal/camera.h"
 #include "lib/world/hypothesis.h"
+#include "lib/world/mass_function.h"
 #include "lib/world/support_plane.h"
 
 namespace secondlook::world {
@@ -28,6 +29,8 @@ struct Detection {
   std::vector<Hypothesis> hypotheses;
   /// Why there is no accepted hypothesis: the nearest miss, with values. Empty when there is one.
   std::string reason;
+  /// What its picture says of its class, whatever its shape; nothing without a classifier.
+  MassFunction appearance;
 };
 
 /// One view.

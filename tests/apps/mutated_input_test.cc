@@ -35,8 +35,8 @@ int MutantsWanted() {
 
 /// `seed` with one to four changes: bits turned, bytes replaced, parts cut out, doubled or moved.
 std::string Mutant(std::string text, Rng* rng) {
-  static const std::vector<std::string> kTokens{"-1",  "nan", "1e999", "4294967295", "", "\n",
-                                                "0x0", " - ", "{}",    "\xff\xfe",   "99999999"};
+  static const std::vector<std::string> kTokens{
+      "-1", "nan", "1e999", "4294967295", "", "\n", "0x0", " - ", "{}", "\xff\xfe", "99999999"};
   const int changes = 1 + rng->Index(4);
   for (int i = 0; i < changes && !text.empty(); ++i) {
     const auto size = static_cast<int>(text.size());
@@ -56,8 +56,9 @@ std::string Mutant(std::string text, Rng* rng) {
         text.insert(at, text.substr(static_cast<std::size_t>(rng->Index(size)), length));
         break;
       case 4:
-        text.replace(at, std::min(length, text.size() - at),
-                     kTokens[static_cast<std::size_t>(rng->Index(static_cast<int>(kTokens.size())))]);
+        text.replace(
+            at, std::min(length, text.size() - at),
+            kTokens[static_cast<std::size_t>(rng->Index(static_cast<int>(kTokens.size())))]);
         break;
       default:
         text.resize(at);

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -200,6 +204,79 @@ TEST(Conclude, DoesNotDependOnTheOrderOfTheViews) {
   EXPECT_EQ(forward.state, backward.state);
   EXPECT_NEAR(forward.masses.Of("a"), backward.masses.Of("a"), 1e-12);
   EXPECT_NEAR(forward.masses.conflict, backward.masses.conflict, 1e-12);
+}
+
+/// What pictures say: each class's mass, the rest of 1 is m(Omega).
+Appearance Pictures(const std::map<std::string, double>& masses,
+                    const std::set<std::string>& without_model = {}) {
+  Appearance appearance;
+  appearance.masses.singletons = masses;
+  for (const auto& [c, mass] : masses) appearance.masses.omega -= mass;
+  appearance.without_model = without_model;
+  return appearance;
+}
+
+ObjectBelief Object(std::vector<PoseHypothesis> hypotheses, int clear_views,
+                    const Appearance& appearance) {
+  ObjectBelief object;
+  object.hypotheses = std::move(hypotheses);
+  Conclude(world::Task{}, {}, clear_views, appearance, &object);
+  return object;
+}
+
+TEST(ConcludeByLooks, LetsThePrintSettleWhatFitsTwoModelsAlike) {
+  const std::vector<PoseHypothesis> alike{Hypothesis("rice", 0, {View(0, 0.95)}),
+                                          Hypothesis("oat", 0, {View(0, 0.95)})};
+  ASSERT_EQ(Object(alike, 1).state, ObjectState::kCandidate);
+  // By shape m(rice) = m(oat) = 0.97 * 19 / 39 = 0.4726 and m(Omega) = 0.0549. With the print
+  // m(rice) = 0.4726 * 0.98 + 0.0549 * 0.92 = 0.5136, m(oat) = 0.4726 * 0.08 + 0.0549 * 0.02 =
+  // 0.0389 and m(Omega) = 0.0549 * 0.06 = 0.0033: of them, rice has 0.924.
+  const ObjectBelief object = Object(alike, 1, Pictures({{"rice", 0.92}, {"oat", 0.02}}));
+  EXPECT_EQ(object.state, ObjectState::kVerified) << object.reason;
+  EXPECT_EQ(object.Best()->model, "rice");
+  EXPECT_THAT(object.reason, testing::HasSubstr("'rice' at 0.924"));
+}
+
+TEST(ConcludeByLooks, IsNotTalkedIntoAModelThatDoesNotFit) {
+  const Appearance like_a_mug = Pictures({{"mug", 0.95}, {"oat", 0.03}});
+  const ObjectBelief once = Object({}, 1, like_a_mug);
+  EXPECT_EQ(once.state, ObjectState::kCandidate);
+  EXPECT_EQ(once.reason, "looks like 'mug' at 0.95, but its model fits nowhere");
+  // By now it should have fitted: what the pictures say is conflict, the sign of a new object.
+  const ObjectBelief twice = Object({}, 2, like_a_mug);
+  EXPECT_EQ(twice.state, ObjectState::kUnknown);
+  EXPECT_NEAR(twice.masses.conflict, 0.98, 1e-12);
+  EXPECT_NEAR(twice.masses.omega, 0.02, 1e-12);
+}
+
+TEST(ConcludeByLooks, StaysOpenWhereShapeAndPrintContradictEachOther) {
+  const ObjectBelief object =
+      Object({Hypothesis("mug", 0, {View(0, 0.97)})}, 1, Pictures({{"mug", 0.02}, {"oat", 0.9}}));
+  EXPECT_EQ(object.state, ObjectState::kCandidate) << object.reason;
+  EXPECT_GT(object.masses.conflict, 0.8);
+}
+
+TEST(ConcludeByLooks, KnowsByItsClassAloneWhatHasNoModel) {
+  const Appearance like_a_duck = Pictures({{"duck", 0.93}, {"mug", 0.02}}, {"duck"});
+  EXPECT_EQ(Object({}, 1, like_a_duck).reason,
+            "looks like 'duck' at 0.93, of which there is no model; needs 0.90 from 2 sides");
+  const ObjectBelief duck = Object({}, 2, like_a_duck);
+  EXPECT_EQ(duck.state, ObjectState::kClassified);
+  EXPECT_EQ(duck.LeadingClass(), "duck");
+  EXPECT_EQ(duck.Best(), nullptr);
+  EXPECT_TRUE(duck.Settled());
+  // A picture that is less sure leaves it open, one that says next to nothing unknown.
+  EXPECT_EQ(Object({}, 2, Pictures({{"duck", 0.7}, {"mug", 0.1}}, {"duck"})).state,
+            ObjectState::kCandidate);
+  EXPECT_EQ(Object({}, 2, Pictures({{"duck", 0.2}, {"mug", 0.4}}, {"duck"})).state,
+            ObjectState::kUnknown);
+}
+
+TEST(ConcludeByLooks, LeavesToShapeWhatPicturesDoNotTellOf) {
+  const std::vector<PoseHypothesis> fits{Hypothesis("gear", 0, {View(0, 0.97)})};
+  const ObjectBelief object = Object(fits, 1, Pictures({{"mug", 0.9}, {"oat", 0.05}}));
+  EXPECT_EQ(object.state, ObjectState::kVerified) << object.reason;
+  EXPECT_EQ(object.masses.singletons, Object(fits, 1).masses.singletons);
 }
 
 }  // namespace

@@ -4,11 +4,14 @@
 
 `secondlook train --classifier backbone` calls it. LIST has a line "class<TAB>path" for each image,
 the class a number from 0; classes named by --background-class give the scenes that objects are put
-before. The last five blocks and a new linear layer are trained on augmented copies; every tenth
-image of a class is kept out and sets the temperature of the probabilities.
+before. The last five blocks and a new linear layer are trained on augmented copies; the last tenth of
+each class's images is kept out and sets the temperature of the probabilities. The last, as pictures
+taken one after the other resemble each other: kept out singly, they would be known from those beside
+them, and the probabilities too sure.
 """
 
 import argparse
+import collections
 import json
 import os
 import sys
@@ -28,7 +31,7 @@ import network  # noqa: E402
 import onnx_file  # noqa: E402
 
 BATCH = 64
-HELD_OUT = 10  # every tenth
+HELD_OUT = 0.1  # share of each class
 SMOOTHING = 0.1
 RATE = 1e-3
 
@@ -49,10 +52,10 @@ def read_list(path):
 
 def split(samples):
     """Indices of (training, held-out) samples."""
-    seen, training, held_out = {}, [], []
+    count, seen, training, held_out = collections.Counter(label for label, _ in samples), {}, [], []
     for i, (label, _) in enumerate(samples):
         seen[label] = seen.get(label, 0) + 1
-        (held_out if seen[label] % HELD_OUT == 0 else training).append(i)
+        (held_out if seen[label] > (1 - HELD_OUT) * count[label] else training).append(i)
     return training, held_out
 
 

@@ -13,6 +13,9 @@ namespace secondlook::perception {
 /// 2018, 2.2). Only a classifier that was trained with it has it, as its last class.
 inline constexpr const char* kUnknownClass = "unknown";
 
+/// The name of the class of crops that show no object.
+inline constexpr const char* kBackgroundClass = "Background";
+
 /// Says of which class an object is by what it looks like.
 class Classifier {
  public:

@@ -60,6 +60,10 @@ Samples Describe(const TrainingSet& set, const FeatureExtractor& features, bool 
   Samples samples;
   std::map<int, int> seen;  // of each class
   const auto unknown_label = static_cast<int>(set.classes.size());
+  // Every second image, so that each fold has some of them.
+  const auto is_of_half = [&](int number) {
+    return (number + (config.folds % 2 == 0 ? number / config.folds : 0)) % 2 == 1;
+  };
   const auto add = [&](const cv::Mat& row, int label, int fold, bool original) {
     samples.rows.push_back(row);
     samples.labels.push_back(label);
@@ -72,7 +76,7 @@ Samples Describe(const TrainingSet& set, const FeatureExtractor& features, bool 
     for (int copy = 0; copy < config.copies; ++copy) {
       const cv::Mat& row = rows[i * config.copies + copy];
       add(row, label, number % config.folds, copy == 0);
-      if (unknown && number % 2 == 1) add(row, unknown_label, number % config.folds, false);
+      if (unknown && is_of_half(number)) add(row, unknown_label, number % config.folds, false);
     }
   }
   return samples;
