@@ -22,9 +22,9 @@ function(secondlook_folder name)
 endfunction()
 
 # secondlook_test(NAME DEPENDS …): tests/NAME/*_test.cc (and its other .cc) as one executable
-# NAME_test, labelled NAME.
+# NAME_test, labelled NAME. ALONE: no other test runs beside it, as it goes by the time of the wall.
 function(secondlook_test name)
-  cmake_parse_arguments(TEST "" "" "DEPENDS;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(TEST "ALONE" "" "DEPENDS;LIBRARIES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cc)
   if(NOT sources)
     return()
@@ -43,5 +43,5 @@ function(secondlook_test name)
   gtest_discover_tests(${name}_test
                        WORKING_DIRECTORY ${CMAKE_SOURCE_DIR}
                        DISCOVERY_TIMEOUT 60
-                       PROPERTIES LABELS ${name} TIMEOUT 300)
+                       PROPERTIES LABELS ${name} TIMEOUT 300 RUN_SERIAL ${TEST_ALONE})
 endfunction()
