@@ -271,6 +271,7 @@ std::vector<Row> Summarise(const std::vector<Json>& trials) {
   };
   int wrong = 0;
   int right = 0;
+  std::vector<double> rights;
   int wrong_without = 0;
   int right_without = 0;
   int collided_without = 0;
@@ -280,33 +281,32 @@ std::vector<Row> Summarise(const std::vector<Json>& trials) {
     const Json& without = trial.at("without_faults");
     wrong += CountVerdicts(with, "wrong");
     right += CountVerdicts(with, "right");
+    rights.push_back(CountVerdicts(with, "right"));
     wrong_without += CountVerdicts(without, "wrong");
     right_without += CountVerdicts(without, "right");
     collided_without += without.at("collisions") > 0;
     more_wrong.push_back(CountVerdicts(with, "wrong") - CountVerdicts(without, "wrong"));
   }
   const auto share = [](int part, int all) { return all == 0 ? 0.0 : 1.0 * part / all; };
-  return {{"missions that crash", missions([](const Json& m) { return m.at("crash") != ""; })},
-          {"missions that hang", missions([](const Json& m) { return m.at("hangs"); })},
-          {"missions with a motion after a stop",
-           missions([](const Json& m) { return m.at("motions_after_stop") > 0; })},
-          {"missions after which the robot moves",
-           missions([](const Json& m) { return m.at("still_moves"); })},
-          {"missions whose status or report is not true",
-           missions([](const Json& m) { return m.at("untruth") != ""; })},
-          {"verified wrongly, of all verified",
-           Proportion(wrong, wrong + right),
-           {},
-           share(wrong_without, wrong_without + right_without)},
-          {"verified wrongly, a mission, more than without faults", BootstrappedMean(more_wrong)},
-          {"known objects right, a mission",
-           {share(right, count), 0.0, 0.0},
-           {},
-           share(right_without, count)},
-          {"missions with a collision",
-           missions([](const Json& m) { return m.at("collisions") > 0; }),
-           {},
-           share(collided_without, count)}};
+  return {
+      {"missions that crash", missions([](const Json& m) { return m.at("crash") != ""; })},
+      {"missions that hang", missions([](const Json& m) { return m.at("hangs"); })},
+      {"missions with a motion after a stop",
+       missions([](const Json& m) { return m.at("motions_after_stop") > 0; })},
+      {"missions after which the robot moves",
+       missions([](const Json& m) { return m.at("still_moves"); })},
+      {"missions whose status or report is not true",
+       missions([](const Json& m) { return m.at("untruth") != ""; })},
+      {"verified wrongly, of all verified",
+       Proportion(wrong, wrong + right),
+       {},
+       share(wrong_without, wrong_without + right_without)},
+      {"verified wrongly, a mission, more than without faults", BootstrappedMean(more_wrong)},
+      {"known objects right, a mission", BootstrappedMean(rights), {}, share(right_without, count)},
+      {"missions with a collision",
+       missions([](const Json& m) { return m.at("collisions") > 0; }),
+       {},
+       share(collided_without, count)}};
 }
 
 }  // namespace

@@ -229,6 +229,27 @@ class GuardedArm : public Arm {
   Gate gate_;
 };
 
+/// Stays dark while a protective stop holds.
+class GuardedStriper : public LaserStriper {
+ public:
+  GuardedStriper(std::unique_ptr<LaserStriper> striper, const Guard* guard)
+      : striper_(std::move(striper)), guard_(guard) {}
+
+  const StriperInfo& info() const override { return striper_->info(); }
+  void On() override {
+    if (guard_->holds()) return;
+    striper_->On();
+    if (guard_->holds()) striper_->Off();
+  }
+  void Off() noexcept override { striper_->Off(); }
+  std::vector<ScanLine> Take() override { return striper_->Take(); }
+  std::uint64_t lost() const override { return striper_->lost(); }
+
+ private:
+  std::unique_ptr<LaserStriper> striper_;
+  const Guard* guard_;
+};
+
 }  // namespace
 
 void Workspace::Validate() const {
@@ -277,6 +298,9 @@ Robot Guard::Protect(Robot robot) {
   if (robot.arm) {
     Gate arm_gate = gate("arm '" + robot.arm->info().name + "'");
     robot.arm = std::make_unique<GuardedArm>(std::move(robot.arm), std::move(arm_gate));
+  }
+  if (robot.striper) {
+    robot.striper = std::make_unique<GuardedStriper>(std::move(robot.striper), this);
   }
   return robot;
 }

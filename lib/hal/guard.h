@@ -68,6 +68,7 @@ struct GuardedMotion {
 ///   once, stopped or failed, with the reason;
 /// - stops a base that drives faster than it may, or out of the workspace, by its odometry and
 ///   localisation, and fails the motion;
+/// - keeps the laser dark while a protective stop holds;
 /// - knows which motions lapse unasked, and throws ProtocolError for a State() that is not finite.
 /// A protective stop is one of this process. It is not an emergency stop.
 /// Threading: Protect() once, from the thread that moves the robot; the rest from any.

@@ -36,6 +36,39 @@ struct Guarded {
   Robot robot;
 };
 
+class FakeStriper : public LaserStriper {
+ public:
+  explicit FakeStriper(bool* lit) : lit_(lit) {}
+  const StriperInfo& info() const override { return info_; }
+  void On() override { *lit_ = true; }
+  void Off() noexcept override { *lit_ = false; }
+  std::vector<ScanLine> Take() override { return {}; }
+  std::uint64_t lost() const override { return 0; }
+
+ private:
+  bool* lit_;
+  StriperInfo info_;
+};
+
+TEST(Guard, KeepsTheLaserDarkWhileAStopHolds) {
+  bool lit = false;
+  testing::FakeWorld world;
+  Guard guard({});
+  Robot robot = testing::MakeFakeRobotWithArm(&world);
+  robot.striper = std::make_unique<FakeStriper>(&lit);
+  robot = guard.Protect(std::move(robot));
+  robot.striper->On();
+  EXPECT_TRUE(lit);
+  guard.Hold("a command");
+  robot.Stop();
+  EXPECT_FALSE(lit);
+  robot.striper->On();
+  EXPECT_FALSE(lit);
+  guard.Clear();
+  robot.striper->On();
+  EXPECT_TRUE(lit);
+}
+
 TEST(Guard, LetsMotionsThroughThatBreakNoLimit) {
   Guarded guarded(WithWorkspace());
   guarded.StartAll();

@@ -37,17 +37,20 @@ std::shared_ptr<sim::SimulatedRobot> Make(bool noisy) {
   return sim::MakeShared(scene, config, 3);
 }
 
-/// A simulated robot with an arm, its cameras as they were before anything was tapped.
+/// A simulated robot with an arm, its cameras and its laser as they were before anything was
+/// tapped.
 struct Simulated {
   std::shared_ptr<sim::SimulatedRobot> owner;
   sim::SimCamera* camera;
   sim::SimCamera* hand_camera;
+  sim::SimStriper* striper;
   hal::Robot& robot;
 
   explicit Simulated(std::shared_ptr<sim::SimulatedRobot> simulated)
       : owner(std::move(simulated)),
         camera(static_cast<sim::SimCamera*>(owner->robot.head_camera.get())),
         hand_camera(static_cast<sim::SimCamera*>(owner->robot.hand_camera.get())),
+        striper(static_cast<sim::SimStriper*>(owner->robot.striper.get())),
         robot(owner->robot) {}
 };
 
@@ -103,12 +106,11 @@ const auto kArmRig = [](const Simulated& s) {
   return hal::ArmRig{s.robot.clock.get(), s.robot.arm.get(), s.owner};
 };
 const auto kStriperRig = [](const Simulated& s) {
-  const auto striper = static_cast<sim::SimStriper*>(s.robot.striper.get());
   return hal::StriperRig{s.robot.clock.get(),
-                         striper,
+                         s.robot.striper.get(),
                          [world = s.owner->world.get()] { return world->striper()->lit(); },
                          kHeld,
-                         [striper] { striper->Lose(); },
+                         [striper = s.striper] { striper->Lose(); },
                          s.owner};
 };
 const auto kBaseRig = [](const Simulated& s) {
