@@ -36,10 +36,7 @@ class Examination {
   /// Refines the guesses, turns them by colour, verifies each, and looks for what could be taken
   /// for the best.
   std::vector<Hypothesis> Run(const std::vector<PoseGuess>& guesses) {
-    for (const PoseGuess& guess : guesses) {
-      const Pose X_refined = RefinePose(model_, guess.X_CM, view_, label_, 4, &rasteriser_);
-      for (const Pose& X_CM : TurnByColor(model_, X_refined, view_, label_, 4)) Add(X_CM);
-    }
+    for (const PoseGuess& guess : guesses) Follow(guess.X_CM);
     KeepDistinct(kSameDistance, kSamePeak);
     if (!found_.empty() && !found_.front().verification.accepted && found_.front().score > 0.5) {
       Add(RefinePose(model_, found_.front().X_CM, view_, label_, 6, &rasteriser_));
@@ -68,6 +65,29 @@ class Examination {
   static constexpr double kRivalColor = 0.15;  // that its colours may agree less
   static constexpr std::size_t kPoints = 300;
   static constexpr int kRounds = 3;
+  static constexpr double kHopelessHalfway = 0.6;  // of the share that must match in the end
+  static constexpr double kHopeless = 0.85;
+
+  /// Refines a guess and adds what it turns to by colour, as far as its shape has a chance: a turn
+  /// by colour keeps the shape, and what is far off after half the rounds does not come right.
+  void Follow(const Pose& X_CM) {
+    const auto refined = [&](const Pose& X) {
+      return Verified(RefinePose(model_, X, view_, label_, 2, &rasteriser_));
+    };
+    const auto is_hopeless = [&](const Hypothesis& h, double share) {
+      return h.verification.matching <
+             share * config_.verify.min_matching * h.verification.visible;
+    };
+    Hypothesis hypothesis = refined(X_CM);
+    if (!is_hopeless(hypothesis, kHopelessHalfway)) {
+      hypothesis = refined(hypothesis.X_CM);
+      if (!is_hopeless(hypothesis, kHopeless)) {
+        for (const Pose& X : TurnByColor(model_, hypothesis.X_CM, view_, label_, 4)) Add(X);
+        return;
+      }
+    }
+    found_.push_back(std::move(hypothesis));
+  }
 
   void Add(const Pose& X_CM) { found_.push_back(Verified(X_CM)); }
 
