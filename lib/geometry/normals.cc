@@ -23,32 +23,43 @@ struct Window {
 
 template <class Keep>
 InversePlane Fit(const cv::Mat& depth, const Window& window, const Keep& keep) {
-  Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
-  InversePlane plane;
+  // The moments of the kept pixels; locals, as these loops are much of the time of a frame.
+  int n = 0;
+  int sum_x = 0;
+  int sum_y = 0;
+  int sum_xx = 0;
+  int sum_xy = 0;
+  int sum_yy = 0;
+  double sum_v = 0.0;
+  double sum_xv = 0.0;
+  double sum_yv = 0.0;
   for (int y = window.top; y <= window.bottom; ++y) {
     const auto* row = depth.ptr<float>(y);
     for (int x = window.left; x <= window.right; ++x) {
       if (!keep(x, y, row[x])) continue;
-      const double dx = x - window.x;
-      const double dy = y - window.y;
+      const int dx = x - window.x;
+      const int dy = y - window.y;
       const double value = 1.0 / row[x];
-      normal_matrix(0, 0) += 1.0;
-      normal_matrix(0, 1) += dx;
-      normal_matrix(0, 2) += dy;
-      normal_matrix(1, 1) += dx * dx;
-      normal_matrix(1, 2) += dx * dy;
-      normal_matrix(2, 2) += dy * dy;
-      right_side += value * Eigen::Vector3d(1.0, dx, dy);
-      ++plane.count;
+      ++n;
+      sum_x += dx;
+      sum_y += dy;
+      sum_xx += dx * dx;
+      sum_xy += dx * dy;
+      sum_yy += dy * dy;
+      sum_v += value;
+      sum_xv += value * dx;
+      sum_yv += value * dy;
     }
   }
-  if (plane.count < 3) return plane;
-  normal_matrix(1, 0) = normal_matrix(0, 1);
-  normal_matrix(2, 0) = normal_matrix(0, 2);
-  normal_matrix(2, 1) = normal_matrix(1, 2);
+  InversePlane plane;
+  plane.count = n;
+  if (n < 3) return plane;
+  Eigen::Matrix3d normal_matrix;
+  normal_matrix << n, sum_x, sum_y,  //
+      sum_x, sum_xx, sum_xy,         //
+      sum_y, sum_xy, sum_yy;
   if (!(normal_matrix.determinant() > 1e-6)) return plane;
-  plane.c = normal_matrix.ldlt().solve(right_side);
+  plane.c = normal_matrix.ldlt().solve(Eigen::Vector3d(sum_v, sum_xv, sum_yv));
   plane.valid = plane.c.allFinite() && plane.c[0] > 0.0;
   return plane;
 }

@@ -1,6 +1,7 @@
 #include "lib/perception/color_match.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -63,10 +64,9 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-Lighting RowOf(const ColorPair& pair, double lightness) {
-  Lighting row;
-  row << 1.0, pair.normal_C.cast<double>(), lightness;
-  return row;
+double Expected(const ColorPair& pair, double lightness, const Lighting& light) {
+  return light[0] + light[1] * pair.normal_C[0] + light[2] * pair.normal_C[1] +
+         light[3] * pair.normal_C[2] + light[4] * lightness;
 }
 
 /// Measured lightness as a linear function of the normal and of the modelled one, by iteratively
@@ -74,6 +74,7 @@ Lighting RowOf(const ColorPair& pair, double lightness) {
 Lighting FitLighting(const std::vector<Tone>& measured, const std::vector<Tone>& modelled,
                      const std::vector<ColorPair>& pairs) {
   std::vector<double> difference;
+  difference.reserve(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     difference.push_back(measured[i].lightness - modelled[i].lightness);
   }
@@ -81,14 +82,26 @@ Lighting FitLighting(const std::vector<Tone>& measured, const std::vector<Tone>&
   light << Median(difference), 0.0, 0.0, 0.0, 1.0;
   const double prior = 0.02 * static_cast<double>(pairs.size());
   for (int round = 0; round < 3; ++round) {
-    Eigen::Matrix<double, 5, 5> normal_matrix = Eigen::Matrix<double, 5, 5>::Zero();
-    Lighting right_side = Lighting::Zero();
+    // The triangle of the normal matrix, with the right side as a sixth column.
+    std::array<double, 20> sums{};
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const Lighting row = RowOf(pairs[i], modelled[i].lightness);
-      const double e = (measured[i].lightness - row.dot(light)) / kLightness;
+      const double e =
+          (measured[i].lightness - Expected(pairs[i], modelled[i].lightness, light)) / kLightness;
       const double weight = 1.0 / ((1.0 + e * e) * (1.0 + e * e));
-      normal_matrix += weight * row * row.transpose();
-      right_side += weight * measured[i].lightness * row;
+      const Eigen::Vector3f& n = pairs[i].normal_C;
+      const std::array<double, 6> row{
+          1.0, n[0], n[1], n[2], modelled[i].lightness, measured[i].lightness};
+      std::size_t k = 0;
+      for (std::size_t a = 0; a < 5; ++a) {
+        for (std::size_t b = a; b < 6; ++b) sums[k++] += weight * row[a] * row[b];
+      }
+    }
+    Eigen::Matrix<double, 5, 5> normal_matrix;
+    Lighting right_side;
+    std::size_t k = 0;
+    for (int a = 0; a < 5; ++a) {
+      for (int b = a; b < 5; ++b) normal_matrix(a, b) = normal_matrix(b, a) = sums[k++];
+      right_side[a] = sums[k++];
     }
     Lighting trust;
     trust << 0.1, 1.0, 1.0, 1.0, 2.0;
@@ -103,8 +116,10 @@ Lighting FitLighting(const std::vector<Tone>& measured, const std::vector<Tone>&
   // and has the model's median lightness.
   std::vector<double> rest;
   std::vector<double> lightness;
+  rest.reserve(pairs.size());
+  lightness.reserve(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    rest.push_back(measured[i].lightness - light.dot(RowOf(pairs[i], modelled[i].lightness)) +
+    rest.push_back(measured[i].lightness - Expected(pairs[i], modelled[i].lightness, light) +
                    light[0]);
     lightness.push_back(modelled[i].lightness);
   }
@@ -165,6 +180,10 @@ std::vector<Eigen::Vector3d> ToneDifferences(const std::vector<ColorPair>& pairs
   std::vector<Tone> modelled;
   std::vector<double> red;
   std::vector<double> blue;
+  measured.reserve(pairs.size());
+  modelled.reserve(pairs.size());
+  red.reserve(pairs.size());
+  blue.reserve(pairs.size());
   for (const ColorPair& pair : pairs) {
     measured.push_back(SharesOf(pair.measured));
     modelled.push_back(SharesOf(pair.modelled));
@@ -183,9 +202,10 @@ std::vector<Eigen::Vector3d> ToneDifferences(const std::vector<ColorPair>& pairs
   const double red_offset = balance(red);
   const double blue_offset = balance(blue);
   std::vector<Eigen::Vector3d> differences;
+  differences.reserve(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Vector3d difference(
-        (measured[i].lightness - light.dot(RowOf(pairs[i], modelled[i].lightness))) / kLightness,
+        (measured[i].lightness - Expected(pairs[i], modelled[i].lightness, light)) / kLightness,
         (red[i] - red_offset) / kShare, (blue[i] - blue_offset) / kShare);
     differences.push_back(WithoutClipping(difference, pairs[i].measured));
   }

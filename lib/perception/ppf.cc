@@ -91,13 +91,10 @@ int CellsOf(const Feature& feature, int distance_bins, std::array<int, 16>* cell
   return found;
 }
 
-/// Votes of one reference point: per (model point, turn) the count and the pair that voted last.
-struct Accumulator {
-  struct Cell {
-    std::uint16_t votes;
-    std::uint16_t last;
-  };
-  std::vector<Cell> cells;
+/// Of one reference point, by (model point, turn): the votes and the pair that voted last.
+struct Cell {
+  std::uint16_t votes;
+  std::uint16_t last;
 };
 
 }  // namespace
@@ -161,9 +158,11 @@ std::vector<PosePeak> VotePpf(const PpfModel& model, const std::vector<OrientedP
   const auto reach = static_cast<float>(model.diameter);
   const int distance_bins =
       static_cast<int>((model.first.size() - 1) / (kAngleBins * kAngleBins * kAngleBins));
-  std::vector<Accumulator::Cell> cells(model.points.size() * kTurnBins);
+  std::vector<Cell> votes_of(model.points.size() * kTurnBins);
+  Cell* const cells = votes_of.data();
+  const PpfModel::Entry* const entries = model.entries.data();
   for (std::size_t r = 0; r < scene_C.size(); r += static_cast<std::size_t>(stride)) {
-    std::fill(cells.begin(), cells.end(), Accumulator::Cell{0, 0xffff});
+    std::fill(votes_of.begin(), votes_of.end(), Cell{0, 0xffff});
     const Eigen::Isometry3f X_RC = ToReference(scene_C[r]);
     for (std::size_t i = 0; i < scene_C.size() && i < 0xffff; ++i) {
       if (i == r || (scene_C[i].point - scene_C[r].point).squaredNorm() > reach * reach) continue;
@@ -174,14 +173,13 @@ std::vector<PosePeak> VotePpf(const PpfModel& model, const std::vector<OrientedP
       const int count = CellsOf(f, distance_bins, &found);
       for (int k = 0; k < count; ++k) {
         const auto cell = static_cast<std::size_t>(found[static_cast<std::size_t>(k)]);
-        for (std::uint32_t e = model.first[cell]; e < model.first[cell + 1]; ++e) {
-          const PpfModel::Entry& entry = model.entries[e];
-          const auto turn = static_cast<std::uint16_t>(entry.turn - scene_turn);
+        const PpfModel::Entry* const end = entries + model.first[cell + 1];
+        for (const PpfModel::Entry* entry = entries + model.first[cell]; entry != end; ++entry) {
+          const auto turn = static_cast<std::uint16_t>(entry->turn - scene_turn);
           const std::size_t bin = (static_cast<std::size_t>(turn) * kTurnBins) >> 16U;
-          Accumulator::Cell& votes = cells[entry.reference * std::size_t{kTurnBins} + bin];
+          Cell& votes = cells[entry->reference * std::size_t{kTurnBins} + bin];
           if (votes.last == i) continue;
-          votes.last = static_cast<std::uint16_t>(i);
-          ++votes.votes;
+          votes = {static_cast<std::uint16_t>(votes.votes + 1), static_cast<std::uint16_t>(i)};
         }
       }
     }
@@ -193,7 +191,7 @@ std::vector<PosePeak> VotePpf(const PpfModel& model, const std::vector<OrientedP
     };
     std::array<Peak, 3> best{};
     for (std::size_t m = 0; m < model.points.size(); ++m) {
-      const Accumulator::Cell* row = &cells[m * kTurnBins];
+      const Cell* row = &cells[m * kTurnBins];
       for (int b = 0; b < kTurnBins; ++b) {
         const int own = row[b].votes;
         const int next = row[(b + 1) % kTurnBins].votes;
