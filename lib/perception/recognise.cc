@@ -75,8 +75,7 @@ class Examination {
       return Verified(RefinePose(model_, X, view_, label_, 2, &rasteriser_));
     };
     const auto is_hopeless = [&](const Hypothesis& h, double share) {
-      return h.verification.matching <
-             share * config_.verify.min_matching * h.verification.visible;
+      return h.verification.matching < share * config_.verify.min_matching * h.verification.visible;
     };
     Hypothesis hypothesis = refined(X_CM);
     if (!is_hopeless(hypothesis, kHopelessHalfway)) {

@@ -7,11 +7,11 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <opencv2/imgproc.hpp>
 
 #include "lib/geometry/point_to_plane.h"
 #include "lib/perception/color_match.h"
 #include "lib/perception/contact.h"
+#include "lib/perception/nearest_pixel.h"
 #include "lib/perception/rendered_colors.h"
 
 namespace secondlook::perception {
@@ -24,7 +24,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kSurfacePairs = 500.0;
-constexpr double kOutlinePixels = 8.0;  // how far an outline is drawn [px]
+constexpr int kOutlinePixels = 8;  // how far an outline is drawn [px]
 
 double Cauchy(double residual, double scale) {
   const double e = residual / scale;
@@ -60,36 +60,19 @@ void AddSurfacePairs(const RecognitionModel& model, const View& view, int label,
 void AddOutlinePairs(const View& view, int label, const DepthRasteriser& rendered, double weight,
                      std::vector<PointPlanePair>* pairs) {
   const PixelRect& window = rendered.window();
-  cv::Mat off_model(window.height, window.width, CV_8UC1);
-  cv::Mat off_cluster(window.height, window.width, CV_8UC1);
+  const std::size_t area = rendered.depth().size();
+  std::vector<char> on_model(area);
+  std::vector<char> on_cluster(area);
   for (int y = 0; y < window.height; ++y) {
     const int* labels = view.labels.ptr<int>(window.y + y) + window.x;
     for (int x = 0; x < window.width; ++x) {
       const auto at = static_cast<std::size_t>(y * window.width + x);
-      off_model.at<uchar>(y, x) = std::isnan(rendered.depth()[at]) ? 1 : 0;
-      off_cluster.at<uchar>(y, x) = labels[x] == label ? 0 : 1;
+      on_model[at] = std::isnan(rendered.depth()[at]) ? 0 : 1;
+      on_cluster[at] = labels[x] == label ? 1 : 0;
     }
   }
-  // By pixel: which pixel of the other set is nearest, and how far.
-  const auto nearest = [](const cv::Mat& outside, cv::Mat* distance, std::vector<cv::Point>* of) {
-    cv::Mat index;
-    cv::distanceTransform(outside, *distance, index, cv::DIST_L2, 5, cv::DIST_LABEL_PIXEL);
-    of->assign(static_cast<std::size_t>(outside.rows * outside.cols + 1), {-1, -1});
-    for (int y = 0; y < outside.rows; ++y) {
-      for (int x = 0; x < outside.cols; ++x) {
-        if (outside.at<uchar>(y, x) == 0) {
-          (*of)[static_cast<std::size_t>(index.at<int>(y, x))] = {x, y};
-        }
-      }
-    }
-    return index;
-  };
-  cv::Mat model_distance;
-  cv::Mat cluster_distance;
-  std::vector<cv::Point> model_pixel;
-  std::vector<cv::Point> cluster_pixel;
-  const cv::Mat model_index = nearest(off_model, &model_distance, &model_pixel);
-  const cv::Mat cluster_index = nearest(off_cluster, &cluster_distance, &cluster_pixel);
+  const NearestPixel model(on_model, window.width, window.height, kOutlinePixels);
+  const NearestPixel cluster(on_cluster, window.width, window.height, kOutlinePixels);
 
   const std::size_t first = pairs->size();
   const auto pull = [&](const cv::Point& from, const cv::Point& to) {
@@ -104,17 +87,15 @@ void AddOutlinePairs(const View& view, int label, const DepthRasteriser& rendere
   for (int y = 0; y < window.height; y += 2) {
     const float* measured = view.depth.ptr<float>(window.y + y) + window.x;
     for (int x = 0; x < window.width; x += 2) {
-      const bool on_model = off_model.at<uchar>(y, x) == 0;
-      const bool on_cluster = off_cluster.at<uchar>(y, x) == 0;
-      if (on_cluster && !on_model && model_distance.at<float>(y, x) < kOutlinePixels) {
-        pull(model_pixel[static_cast<std::size_t>(model_index.at<int>(y, x))], {x, y});
-      } else if (on_model && !on_cluster && cluster_distance.at<float>(y, x) < kOutlinePixels) {
-        const double z = rendered.depth()[static_cast<std::size_t>(y * window.width + x)];
-        const bool through = measured[x] > z + DepthTolerance(z);
-        if (through) {
-          pull({x, y}, cluster_pixel[static_cast<std::size_t>(cluster_index.at<int>(y, x))]);
-        }
+      const auto at = static_cast<std::size_t>(y * window.width + x);
+      if (on_model[at] == on_cluster[at]) continue;
+      if (on_cluster[at] != 0) {
+        if (const auto from = model.To(x, y)) pull(*from, {x, y});
+        continue;
       }
+      const double z = rendered.depth()[at];
+      if (!(measured[x] > z + DepthTolerance(z))) continue;
+      if (const auto to = cluster.To(x, y)) pull({x, y}, *to);
     }
   }
   double sum = 0.0;
