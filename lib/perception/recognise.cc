@@ -58,6 +58,8 @@ class Examination {
   static constexpr double kDegree = std::numbers::pi / 180.0;
   static constexpr double kSameDistance = 0.010;      // [m]
   static constexpr double kSamePeak = 9.0 * kDegree;  // [rad]
+  static constexpr double kByChance = 1.0;            // [log-odds]
+  static constexpr RegistrationSigma kNoFreedom{1e-6, 1e-6};
   static constexpr double kNudge = 10.0 * kDegree;
   static constexpr double kRivalTurn = 20.0 * kDegree;
   static constexpr int kSpotTurns = 12;        // about the support plane's normal
@@ -126,6 +128,21 @@ class Examination {
     Add(X_polished);
     Add(RefinePose(model_, X_polished, view_, label_, 2, &rasteriser_));
     SortByScore(&found_);
+    Settle();
+  }
+
+  /// Moves the best to where depth, outline and colours together hold it: of poses so near to each
+  /// other that their scores differ by chance, the one of the least squares is the most exact.
+  void Settle() {
+    Hypothesis& best = found_.front();
+    const JointPose joint = RefineTogether(model_, {PlacedModel{&view_, label_, best.X_CM}},
+                                           kNoFreedom, 4, &rasteriser_);
+    Hypothesis settled = Verified(joint.X_CM.front());
+    const PoseDistance d =
+        DistanceUpToSymmetry(best.X_CM, settled.X_CM, model_.symmetry, model_.center_M, true);
+    const bool same = d.translation < kSameDistance && d.rotation < kSamePeak;
+    if (!same || !settled.verification.accepted) return;
+    if (LogOdds(settled.score) > LogOdds(best.score) - kByChance) best = std::move(settled);
   }
 
   /// Turned about the support plane's normal, what shows of it staying where it is.
