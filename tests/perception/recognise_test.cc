@@ -56,8 +56,8 @@ TEST_F(Recognising, FindsAnObjectWithoutSymmetryWhereverItStands) {
     world::Hypothesis chosen;
     ASSERT_EQ(Chosen(scene, Models(), &chosen), "ell") << "seed " << seed;
     const Pose X_CM = scene.X_WC.inverse() * X_WM;
-    EXPECT_LT((chosen.X_CM.translation() - X_CM.translation()).norm(), 0.005) << "seed " << seed;
-    EXPECT_LT(RotationDistance(chosen.X_CM.linear(), X_CM.linear()), 0.06) << "seed " << seed;
+    EXPECT_LT((chosen.X_CM.translation() - X_CM.translation()).norm(), 0.0025) << "seed " << seed;
+    EXPECT_LT(RotationDistance(chosen.X_CM.linear(), X_CM.linear()), 0.02) << "seed " << seed;
   }
 }
 
