@@ -15,6 +15,7 @@ using geometry::OrientedPoint;
 
 constexpr int kRoughPoints = 150;
 constexpr int kFinePoints = 300;
+constexpr int kFollowed = 6;  // guesses aligned with care, for each that is kept
 
 /// The largest distance between two points of the cluster along a few directions [m], from below:
 /// no model of a smaller diameter can have made it.
@@ -174,18 +175,30 @@ std::vector<PoseGuess> HypothesisePoses(const RecognitionModel& model, const Vie
   AddVoted(model, surface_C, &poses);
 
   const auto pixels = static_cast<int>(cluster.pixels.size());
+  const auto quality = [&](const Pose& X_CM, int points) {
+    return MatchPoints(model, X_CM, view, label, pixels, points).quality;
+  };
+  /// Alignment may lose what is thin: it is drawn to what lies beside it.
+  const auto keep_better = [&](const Pose& X_CM, int points, PoseGuess* guess) {
+    const double other = quality(X_CM, points);
+    if (other >= guess->quality) *guess = {X_CM, other};
+  };
   std::vector<PoseGuess> guesses;
   for (const Pose& X_CM : poses) {
-    const Pose X = AlignPoints(model, X_CM, view, label, kRoughPoints / 2, 2, 0.04);
-    guesses.push_back({X, MatchPoints(model, X, view, label, pixels, kRoughPoints).quality});
+    PoseGuess guess{X_CM, quality(X_CM, kRoughPoints)};
+    keep_better(AlignPoints(model, X_CM, view, label, kRoughPoints / 2, 2, 0.04), kRoughPoints,
+                &guess);
+    guesses.push_back(guess);
   }
-  guesses = KeepDistinct(std::move(guesses), model, 0.02, 0.2, 3 * count);
+  guesses = KeepDistinct(std::move(guesses), model, 0.02, 0.2, kFollowed * count);
   for (PoseGuess& guess : guesses) {
+    guess.quality = quality(guess.X_CM, kFinePoints);
+    Pose X_CM = guess.X_CM;
     for (const double gate : {0.025, 0.015}) {
-      guess.X_CM = AlignPoints(model, guess.X_CM, view, label, kFinePoints, 5, gate);
+      X_CM = AlignPoints(model, X_CM, view, label, kFinePoints, 5, gate);
+      keep_better(X_CM, kFinePoints, &guess);
     }
-    guess.quality = MatchPoints(model, guess.X_CM, view, label, pixels, kFinePoints).quality *
-                    (0.4 + 0.6 * ColorShare(model, guess.X_CM, view, label));
+    guess.quality *= 0.4 + 0.6 * ColorShare(model, guess.X_CM, view, label);
   }
   return KeepDistinct(std::move(guesses), model, 0.01, 0.12, count);
 }
