@@ -206,12 +206,14 @@ class Examination {
 
   /// Weighs the poses against each other by the colours where they differ, too. The likeliest keeps
   /// its score, as the model as a whole is no likelier for it; the others get what they lack of it.
+  /// Colours do not make good what the shape refuses.
   void CompareColors() {
     const PosedColors first(model_, found_.front().X_CM, view_);
     std::vector<double> odds;
     for (const Hypothesis& h : found_) {
-      const auto lead = first.LogRatio(PosedColors(model_, h.X_CM, view_));
-      odds.push_back(LogOdds(h.score) - lead.value_or(0.0));
+      double lead = first.LogRatio(PosedColors(model_, h.X_CM, view_)).value_or(0.0);
+      if (!h.verification.accepted) lead = std::max(lead, 0.0);
+      odds.push_back(LogOdds(h.score) - lead);
     }
     const auto best = std::max_element(odds.begin(), odds.end());
     const double score = LogOdds(found_[static_cast<std::size_t>(best - odds.begin())].score);
