@@ -50,8 +50,8 @@ struct RegisterConfig {
   int iterations{30};
   double min_constraint{0.005};        ///< Of SolvePointToPlane: less of the weight holds nothing.
   int min_pairs{100};                  ///< Fewer are no registration.
-  double pairs_per_independent{40.0};  ///< So many pairs say as much as one independent one.
-  double max_sigmas{5.0};  ///< Pairs that say a pose farther from the nominal one are refused.
+  double pairs_per_independent{12.0};  ///< So many pairs say as much as one independent one.
+  double max_sigmas{5.0};  ///< Pairs that contradict the nominal pose by more are refused.
 
   template <class A>
   void Serialize(A* a) {
@@ -147,15 +147,16 @@ struct ViewRegistration {
   int constrained{};                                  ///< Directions held by the data, 0 .. 6.
   int pairs{};                                        ///< Of the last iteration.
   double rms{};     ///< Of the distances of these along the normals [m].
-  double sigmas{};  ///< Mahalanobis distance between what the pairs say and the nominal pose.
+  double sigmas{};  ///< Mahalanobis distance between what pairs and nominal pose say, by both.
   bool accepted{};
   std::string reason;  ///< Why not, with values; empty when accepted.
 };
 
 /// Registers a view to the map by robust point-to-plane ICP (Chen and Medioni 1992): nearest
 /// neighbours of compatible normals within a gate that shrinks, Tukey weights, by the sensor's and
-/// the map's uncertainty, and the nominal pose by its covariance: what pairs hold little stays near
-/// it. A result is refused when pairs and nominal pose contradict each other.
+/// the map's uncertainty. Every step weighs the nominal pose, too, by its covariance: what pairs
+/// hold little stays near it instead of sliding. A result is refused when pairs and nominal pose
+/// contradict each other.
 /// @param nominal_X_WC What localisation, head and calibration say, known up to `covariance`.
 /// @throws InvalidArgument for an empty reference, a pose that is not valid, or a covariance that
 /// is not positive definite. ConfigError when `config` is not valid.
