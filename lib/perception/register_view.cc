@@ -222,6 +222,18 @@ PoseCovariance NominalCovariance(const RegisterConfig& config, const Vector3d& p
   return covariance;
 }
 
+PoseCovariance CovarianceBeside(const RegisterConfig& config, const PoseCovariance& covariance,
+                                const Vector3d& p_OC_W) {
+  PoseCovariance extrinsics = PoseCovariance::Zero();
+  extrinsics.diagonal() << Vector3d::Constant(std::pow(config.extrinsics_deg * kDegree, 2)),
+      Vector3d::Constant(std::pow(config.extrinsics_m, 2));
+  PoseCovariance lever = PoseCovariance::Identity();  // t_C = t_O + r x p_OC
+  for (int i = 0; i < 3; ++i) {
+    lever.block<3, 1>(3, i) = Vector3d::Unit(i).cross(p_OC_W);
+  }
+  return lever * (covariance + extrinsics) * lever.transpose() + extrinsics;
+}
+
 std::vector<SurfacePoint> ViewPoints(const cv::Mat& depth, const geometry::CameraModel& camera,
                                      const world::SupportPlane& plane_C,
                                      const RegisterConfig& config) {

@@ -88,6 +88,12 @@ struct RegisterConfig {
 /// [m].
 PoseCovariance NominalCovariance(const RegisterConfig& config, const Eigen::Vector3d& p_CB_W);
 
+/// The same where the base has not moved since another view was registered with `covariance`, so
+/// that it is known where the base stands: what that view and the two cameras on the base err by
+/// remains. `p_OC_W` is from the other camera to this one, in W [m].
+PoseCovariance CovarianceBeside(const RegisterConfig& config, const PoseCovariance& covariance,
+                                const Eigen::Vector3d& p_OC_W);
+
 /// The points of a view that registration uses, in C: of the support plane within its rectangle,
 /// and of what stands on it, thinned, each with the normal of its surroundings. The plane's edge
 /// is there, too, as points of an upright surface: from opposite sides the edge is most of what two

@@ -186,6 +186,24 @@ TEST(ViewPoints, LieOnTheSurfacesWithTheirNormals) {
   EXPECT_GT(edge, 50);
 }
 
+TEST(CovarianceBeside, HoldsWhatTheOtherViewAndBothCamerasErrBy) {
+  RegisterConfig config;
+  config.extrinsics_m = 0.003;
+  config.extrinsics_deg = 0.01 / kDegree;
+  PoseCovariance covariance = PoseCovariance::Zero();
+  covariance(3, 3) = 0.004 * 0.004;
+  const PoseCovariance beside = CovarianceBeside(config, covariance, {2.0, 0.0, 0.0});
+  EXPECT_NEAR(beside(0, 0), 2.0 * 0.01 * 0.01, 1e-12);                    // both cameras' turns
+  EXPECT_NEAR(beside(3, 3), 2.0 * 0.003 * 0.003 + 0.004 * 0.004, 1e-12);  // along the lever
+  // Across it the other camera's turn counts, too: 2 m by 0.01.
+  EXPECT_NEAR(beside(4, 4), 2.0 * 0.003 * 0.003 + 0.02 * 0.02, 1e-12);
+  EXPECT_NEAR(beside(2, 4), 2.0 * 0.01 * 0.01, 1e-12);
+  const PoseCovariance driven = NominalCovariance(RegisterConfig(), Vector3d::Zero());
+  const PoseCovariance stood =
+      CovarianceBeside(RegisterConfig(), PoseCovariance::Zero(), Vector3d::Zero());
+  EXPECT_GT((driven - stood).diagonal().minCoeff(), 0.0);
+}
+
 TEST(RegisterView, BringsViewsThatOverlapWithin5MillimetresAndHalfADegree) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     Trial trial(seed);
