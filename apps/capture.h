@@ -19,6 +19,8 @@ struct Capture {
   hal::CameraModel camera;
   Pose X_WC{Pose::Identity()};  ///< At the frame's time, as localisation and encoders say.
   Eigen::Vector3d p_CB_W{Eigen::Vector3d::Zero()};  ///< From the camera to the base's origin [m].
+  /// Of X_WC, where that is known better than after a drive; none: perception::NominalCovariance().
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance{};
 };
 
 /// The share of pixels that were measured, in [0, 1]; 0 for an empty image.

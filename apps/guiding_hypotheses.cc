@@ -71,4 +71,15 @@ std::vector<GuidingHypothesis> Rivals(const ObjectBelief& object,
   return rivals;
 }
 
+double NeededProbability(const PoseHypothesis& hypothesis, const ObjectBelief& object,
+                         const world::Task& task, const fusion::ConcludeConfig& config) {
+  double needed = task.ConfidenceFor(hypothesis.model);
+  for (const PoseHypothesis& other : object.hypotheses) {
+    if (&other == &hypothesis || other.struck || other.model != hypothesis.model) continue;
+    const double lead = fusion::NeededLead(config, hypothesis, other);
+    needed = std::max(needed, 1.0 / (1.0 + std::exp(-lead)));
+  }
+  return needed;
+}
+
 }  // namespace secondlook::apps

@@ -4,6 +4,7 @@
 
 #include "lib/fusion/conclude.h"
 #include "lib/world/object_belief.h"
+#include "lib/world/task.h"
 
 namespace secondlook::apps {
 
@@ -28,5 +29,11 @@ std::vector<GuidingHypothesis> LikelyHypotheses(const world::ObjectBelief& objec
 std::vector<GuidingHypothesis> Rivals(const world::ObjectBelief& object,
                                       const std::vector<GuidingHypothesis>& likely,
                                       const fusion::ConcludeConfig& config);
+
+/// The probability from which on `object` is concluded to be `hypothesis`, one of its own: what
+/// `task` asks of the class and, as a posterior, the lead that it needs over the other poses of its
+/// model.
+double NeededProbability(const world::PoseHypothesis& hypothesis, const world::ObjectBelief& object,
+                         const world::Task& task, const fusion::ConcludeConfig& config);
 
 }  // namespace secondlook::apps

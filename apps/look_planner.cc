@@ -7,6 +7,7 @@
 
 #include "apps/guiding_hypotheses.h"
 #include "apps/one_shot_look.h"
+#include "lib/common/parallel.h"
 #include "lib/fusion/dempster_shafer.h"
 #include "lib/planning/collision.h"
 #include "lib/planning/cost_map.h"
@@ -147,8 +148,11 @@ std::vector<world::Look> LookPlanner::Score(const world::VoxelSpace& space,
     if (look.feasible) CheckNotInVain(&look);
     if (look.feasible) CheckWithinWorkspace(&look);
     look.kind = target.id < 0 ? "hidden_space" : "aspect_graph";
-    if (ByLoss() && look.feasible) WeighByCommonGround(ground, target, &look);
   }
+  if (!ByLoss()) return std::move(graph.looks);
+  ParallelFor(static_cast<int>(graph.looks.size()), [&](int i) {
+    if (graph.looks[i].feasible) WeighByCommonGround(ground, target, &graph.looks[i]);
+  });
   return std::move(graph.looks);
 }
 
@@ -184,15 +188,15 @@ void LookPlanner::WeighByCommonGround(const planning::CommonGround& ground,
                                       world::Look* look) const {
   double known = 0.0;
   for (const planning::PosedModel& model : target.hypotheses) known += model.belief;
-  const double shares = ground.Chance(look->X_WC, CameraOf(look->way));
-  const double chance = shares + (1.0 - shares) * std::min(known, 1.0);
+  const double pairs = ground.Pairs(look->X_WC, CameraOf(look->way));
+  const double shares = ground.ChanceOf(pairs);
   if (shares == 1.0) return;
+  const double chance = shares + (1.0 - shares) * std::min(known, 1.0);
   look->checks.push_back(
       {"common ground", true,
        fmt::format("{:.0f} pairs with the map of the {} that registration wants: "
                    "gain {:.3g} with a chance of {:.2f}",
-                   ground.Pairs(look->X_WC, CameraOf(look->way)), registration_.min_pairs,
-                   look->gain, chance)});
+                   pairs, registration_.min_pairs, look->gain, chance)});
   look->gain *= chance;
   look->score *= chance;
 }
@@ -254,7 +258,7 @@ planning::AspectTarget LookPlanner::TargetFor(const SceneUnderstanding& scene,
     const world::PoseHypothesis& h = *guiding.hypothesis;
     const perception::RecognitionModel* model = perception::FindModel(scene.models(), h.model);
     // What keeps an object open although its class is sure enough is doubt as well.
-    const double needed = task.ConfidenceFor(h.model);
+    const double needed = NeededProbability(h, object, task, conclude_);
     target.hypotheses.push_back(
         {&model->mesh, &CasterOf(*model), h.X_WM, std::min(guiding.probability, needed), needed});
   };

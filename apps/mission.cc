@@ -203,9 +203,12 @@ void Mission::RequireDepth(const Capture& capture) {
 /// view, too, if only head and arm have moved in between.
 void Mission::Understand(Capture capture) {
   const Pose X_measured = capture.X_WC;
-  if (X_RegisteredMeasured_) {
-    capture.X_WC = *X_RegisteredMeasured_ * X_measured;
-    capture.p_CB_W = X_RegisteredMeasured_->linear() * capture.p_CB_W;
+  if (footing_) {
+    capture.X_WC = footing_->X_RegisteredMeasured * X_measured;
+    capture.p_CB_W = footing_->X_RegisteredMeasured.linear() * capture.p_CB_W;
+    capture.covariance =
+        perception::CovarianceBeside(config_.understanding.registration, footing_->covariance,
+                                     capture.X_WC.translation() - footing_->p_WC);
   }
   publisher_->Doing("understanding", fmt::format("frame {}", capture.frame.sequence),
                     robot_->clock->Now());
@@ -216,7 +219,8 @@ void Mission::Understand(Capture capture) {
   stages_.push_back({"understand", config_.looks.understand_seconds, watch.Seconds()});
   TellView(capture, reason);
   if (reason.empty()) {
-    X_RegisteredMeasured_ = belief().views.back().X_WC * X_measured.inverse();
+    const Pose& X_WC = belief().views.back().X_WC;
+    footing_ = {X_WC * X_measured.inverse(), X_WC.translation(), scene_.covariance()};
   } else {
     spdlog::warn("nothing learned from frame {}: {}", capture.frame.sequence, reason);
     planner_.NoteVain(X_measured.translation());
@@ -375,7 +379,7 @@ Progress Mission::Act(TakenLook taken) {
   record_.motion_seconds += SecondsSince(begin);
   record_.metres += outcome.metres;
   const bool reached = outcome.kind == DriveOutcome::Kind::kReached;
-  if (!look.path_W.empty()) X_RegisteredMeasured_.reset();
+  if (!look.path_W.empty()) footing_.reset();
   eye_ = reached ? look.way : world::LookWay::kHead;
   if (!look.arm_motion.knots.empty()) planner_.NoteArm(look.arm_motion, robot_->arm->State().q);
   if (look.kind == "hidden_space") ++(reached ? explored_ : vain_);

@@ -18,6 +18,7 @@
 #include "lib/common/rng.h"
 #include "lib/hal/robot.h"
 #include "lib/kinematics/head.h"
+#include "lib/perception/register_view.h"
 #include "lib/world/look.h"
 #include "lib/world/object_database.h"
 #include "lib/world/scene_belief.h"
@@ -122,6 +123,13 @@ class Mission {
   const MissionRecord& record() const { return record_; }
 
  private:
+  /// Where the base stands, by a view that was registered there.
+  struct Footing {
+    Pose X_RegisteredMeasured;  // from where localisation has it
+    Eigen::Vector3d p_WC;       // of that view
+    perception::PoseCovariance covariance;
+  };
+
   Stance Standing() const;
   const hal::CameraInfo& Eye() const;
   std::optional<Capture> Grab();
@@ -162,13 +170,12 @@ class Mission {
   world::LookWay eye_{world::LookWay::kHead};  // the camera of the next view
   bool arm_known_{};                           // and not lost
   std::string without_;                        // what it goes on without, and why
-  // From where localisation has the base to where a view was registered, while it stands there.
-  std::optional<Pose> X_RegisteredMeasured_;
-  int blind_frames_{};             // without any depth, in a row
-  int searched_{};                 // head poses tried in vain
-  int explored_{};                 // looks at hidden space that got there
-  int vain_{};                     // … and that did not
-  std::vector<StageTime> stages_;  // of this step
+  std::optional<Footing> footing_;             // while the base stands there
+  int blind_frames_{};                         // without any depth, in a row
+  int searched_{};                             // head poses tried in vain
+  int explored_{};                             // looks at hidden space that got there
+  int vain_{};                                 // … and that did not
+  std::vector<StageTime> stages_;              // of this step
   Time start_;
   Progress progress_{Progress::kMore};
   MissionRecord record_;

@@ -65,8 +65,8 @@ perception::ViewRegistration RegisterCapture(
     first.accepted = true;
     return first;
   }
-  const perception::PoseCovariance covariance =
-      perception::NominalCovariance(config.registration, capture.p_CB_W);
+  const perception::PoseCovariance covariance = capture.covariance.value_or(
+      perception::NominalCovariance(config.registration, capture.p_CB_W));
   const auto register_by = [&](const std::vector<perception::SurfacePoint>& points) {
     return perception::RegisterView(points, map.reference(), capture.X_WC, covariance,
                                     config.registration);

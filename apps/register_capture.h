@@ -18,7 +18,8 @@ namespace secondlook::apps {
 /// Where `capture`, cut into `cut`, with the surface `points_C`, was taken from. The first view
 /// defines the map; the others are registered to it. What a view recognises has sides that it does
 /// not see and another view did: one that shares too little with the map is registered by these,
-/// too. @param plane_W None before the first view.
+/// too. Everything else is weighed against what is known of the capture's pose.
+/// @param plane_W None before the first view.
 perception::ViewRegistration RegisterCapture(
     const Capture& capture, const perception::Segmentation& cut,
     std::vector<perception::SurfacePoint> points_C,

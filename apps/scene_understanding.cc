@@ -71,6 +71,7 @@ std::string SceneUnderstanding::Add(const Capture& capture) {
                                         things.clusters, cut.FurtherPlanes()));
   belief_.views.push_back({frame, capture.camera, X_WC, *cut.plane_C, std::move(detections)});
   planes_.Grow(cut, X_WC, &belief_);
+  covariance_ = registration.covariance;
   map_.Enter(points_C, registration, belief_.views, *belief_.plane_W);
   for (int i = 0; i < static_cast<int>(things.objects.size()); ++i) {
     ObjectBelief& object = belief_.objects[things.objects[i]];

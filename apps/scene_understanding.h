@@ -38,6 +38,8 @@ class SceneUnderstanding {
 
   const world::SceneBelief& belief() const { return belief_; }
   const world::VoxelSpace& space() const { return map_.space(); }
+  /// Of X_WC of the newest view. @pre there is one.
+  const perception::PoseCovariance& covariance() const { return covariance_; }
   /// What views are registered to.
   const perception::ReferenceCloud& reference() const { return map_.reference(); }
   const std::vector<perception::RecognitionModel>& models() const { return models_; }
@@ -86,6 +88,7 @@ class SceneUnderstanding {
   std::vector<GoneThing> gone_;          // and not found again
   std::vector<perception::View> views_;  // as recognition looks at belief_.views
   world::SceneBelief belief_;
+  perception::PoseCovariance covariance_{perception::PoseCovariance::Zero()};
 };
 
 }  // namespace secondlook::apps

@@ -75,6 +75,7 @@ Json NewResult(const LookTrial& trial) { return {{"object", trial.object().name}
 
 void FollowAll(int looks, LookTrial* trial, Json* result) {
   (*result)["start"] = ToJson(trial->start().stance);
+  (*result)["begins"] = ToJson(trial->Judge(trial->start()));
   for (const char* chooser : kChoosers) {
     (*result)["courses"][chooser] = Follow(chooser, looks, trial);
   }

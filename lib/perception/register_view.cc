@@ -33,12 +33,6 @@ constexpr int kNeighbours = 6;
 constexpr double kSmallMove = 2e-5;  ///< [m]
 constexpr double kSmallTurn = 2e-5;  ///< [rad]
 
-Eigen::Matrix3d Cross(const Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
-
 std::array<int, 3> CellOf(const Vector3d& p, double spacing) {
   const Eigen::Vector3i cell = (p / spacing).array().floor().cast<int>();
   return {cell.x(), cell.y(), cell.z()};
@@ -89,7 +83,8 @@ struct Target {
 /// The pairs at a pose, with Tukey's weights for the gate.
 std::vector<PointPlanePair> FindPairs(const std::vector<SurfacePoint>& points_C,
                                       const Target& target, const Pose& X_WC, double gate,
-                                      double min_cosine, double max_slide) {
+                                      const RegisterConfig& config) {
+  const double min_cosine = std::cos(config.max_normal_angle_deg * kDegree);
   std::vector<PointPlanePair> pairs;
   for (const SurfacePoint& point_C : points_C) {
     const Vector3d p_W = X_WC * point_C.p_AP;
@@ -97,7 +92,7 @@ std::vector<PointPlanePair> FindPairs(const std::vector<SurfacePoint>& points_C,
     const SurfacePoint* match = target.Match(p_W, normal_W, gate, min_cosine);
     if (match == nullptr) continue;
     const double residual = match->normal_A.dot(match->p_AP - p_W);
-    if ((match->p_AP - p_W - residual * match->normal_A).norm() > max_slide) continue;
+    if ((match->p_AP - p_W - residual * match->normal_A).norm() > config.max_slide_m) continue;
     const double tukey = 1.0 - (residual / gate) * (residual / gate);
     if (tukey <= 0.0) continue;
     const double variance = point_C.sigma * point_C.sigma + match->sigma * match->sigma;
@@ -115,49 +110,6 @@ double Rms(const std::vector<PointPlanePair>& pairs) {
     weights += pair.weight;
   }
   return weights > 0.0 ? std::sqrt(sum / weights) : 0.0;
-}
-
-/// What the pairs say of the camera's pose in the directions that they hold, as the inverse of a
-/// PoseCovariance.
-PoseCovariance HeldInformation(const std::vector<PointPlanePair>& pairs,
-                               const geometry::PointPlaneStep& step, const Vector3d& p_WC,
-                               double min_constraint) {
-  double total = 0.0;
-  double spread = 0.0;
-  for (const PointPlanePair& pair : pairs) {
-    total += pair.weight;
-    spread += pair.weight * (pair.p_AP - step.centroid_A).squaredNorm();
-  }
-  if (!(spread > 0.0)) return PoseCovariance::Zero();
-  spread = std::sqrt(spread / total);
-  Vector6 scale;  // the same scaling by which SolvePointToPlane decides what is held
-  scale << Vector3d::Constant(1.0 / spread), Vector3d::Ones();
-  const Eigen::SelfAdjointEigenSolver<PoseCovariance> eigen(
-      PoseCovariance(scale.asDiagonal() * step.information * scale.asDiagonal()));
-  PoseCovariance held = PoseCovariance::Zero();
-  for (int i = 0; i < 6; ++i) {
-    if (eigen.eigenvalues()[i] < min_constraint * total) continue;
-    const Vector6 direction = eigen.eigenvectors().col(i);
-    held += eigen.eigenvalues()[i] * direction * direction.transpose();
-  }
-  const Vector6 unscale = scale.cwiseInverse();
-  held = PoseCovariance(unscale.asDiagonal() * held * unscale.asDiagonal());
-  // From a rotation about the centroid to one about the camera: t_c = t + r x (c - p).
-  PoseCovariance to_centroid = PoseCovariance::Identity();
-  to_centroid.bottomLeftCorner<3, 3>() = -Cross(step.centroid_A - p_WC);
-  return to_centroid.transpose() * held * to_centroid;
-}
-
-/// The most probable pose: X_WC by what the pairs hold, the nominal pose by what is known of it.
-Pose MostProbable(const Pose& X_WC, const PoseCovariance& held, const Pose& nominal_X_WC,
-                  const PoseCovariance& prior_information) {
-  const Vector6 to_nominal = Between(X_WC, nominal_X_WC);
-  const Vector6 move =
-      PoseCovariance(held + prior_information).llt().solve(prior_information * to_nominal);
-  Pose moved = X_WC;
-  moved.linear() = RotationFromVector(move.head<3>()) * X_WC.linear();
-  moved.translation() += move.tail<3>();
-  return moved;
 }
 
 /// The point of the plane's edge beside a pixel of the plane: above its upright side where that is
@@ -268,6 +220,18 @@ PoseCovariance NominalCovariance(const RegisterConfig& config, const Vector3d& p
   const double yaw = config.base_yaw_deg * kDegree;
   covariance += 2.0 * yaw * yaw * by_yaw * by_yaw.transpose();
   return covariance;
+}
+
+PoseCovariance CovarianceBeside(const RegisterConfig& config, const PoseCovariance& covariance,
+                                const Vector3d& p_OC_W) {
+  PoseCovariance extrinsics = PoseCovariance::Zero();
+  extrinsics.diagonal() << Vector3d::Constant(std::pow(config.extrinsics_deg * kDegree, 2)),
+      Vector3d::Constant(std::pow(config.extrinsics_m, 2));
+  PoseCovariance lever = PoseCovariance::Identity();  // t_C = t_O + r x p_OC
+  for (int i = 0; i < 3; ++i) {
+    lever.block<3, 1>(3, i) = Vector3d::Unit(i).cross(p_OC_W);
+  }
+  return lever * (covariance + extrinsics) * lever.transpose() + extrinsics;
 }
 
 std::vector<SurfacePoint> ViewPoints(const cv::Mat& depth, const geometry::CameraModel& camera,
@@ -394,8 +358,8 @@ ViewRegistration RegisterView(const std::vector<SurfacePoint>& points_C,
   result.X_WC = nominal_X_WC;
   result.covariance = covariance;
 
+  const PoseCovariance prior_information = prior.solve(PoseCovariance::Identity());
   const Target target(reference);
-  const double min_cosine = std::cos(config.max_normal_angle_deg * kDegree);
   // The gate reaches its last width after two thirds of the iterations.
   const double shrink = std::pow(config.last_gate_m / config.first_gate_m,
                                  1.0 / std::max(1.0, config.iterations / 1.5));
@@ -403,9 +367,14 @@ ViewRegistration RegisterView(const std::vector<SurfacePoint>& points_C,
   double gate = config.first_gate_m;
   std::vector<PointPlanePair> pairs;
   geometry::PointPlaneStep step;
+  const auto weigh = [&] {
+    return geometry::SolvePointToPlane(
+        pairs, {X_WC.translation(), Between(X_WC, nominal_X_WC), prior_information},
+        config.min_constraint);
+  };
   for (int i = 0; i < config.iterations; ++i) {
-    pairs = FindPairs(points_C, target, X_WC, gate, min_cosine, config.max_slide_m);
-    step = geometry::SolvePointToPlane(pairs, config.min_constraint);
+    pairs = FindPairs(points_C, target, X_WC, gate, config);
+    step = weigh();
     X_WC = step.X * X_WC;
     const bool settled =
         (step.X * X_WC.translation() - X_WC.translation()).norm() < kSmallMove &&
@@ -413,6 +382,10 @@ ViewRegistration RegisterView(const std::vector<SurfacePoint>& points_C,
     if (settled && gate <= config.last_gate_m) break;
     gate = std::max(config.last_gate_m, gate * shrink);
   }
+  // They find the pose by their full weight, and hold it by what they are worth together.
+  for (PointPlanePair& pair : pairs) pair.weight /= config.pairs_per_independent;
+  step = weigh();
+  X_WC = step.X * X_WC;
   result.constrained = step.constrained;
   result.pairs = static_cast<int>(pairs.size());
   result.rms = Rms(pairs);
@@ -423,22 +396,21 @@ ViewRegistration RegisterView(const std::vector<SurfacePoint>& points_C,
         config.min_pairs);
     return result;
   }
-  const Vector6 moved = Between(nominal_X_WC, X_WC);
-  result.sigmas = prior.matrixL().solve(moved).norm();
+  result.sigmas = step.sigmas;
   if (result.sigmas > config.max_sigmas) {
+    const Vector6 moved = Between(nominal_X_WC, X_WC);
     result.reason = fmt::format(
-        "the result is {:.1f} sigma from the nominal pose ({:.0f} mm, {:.1f} deg); at most {:.1f} "
-        "are believed",
+        "the pairs are {:.1f} sigma from the nominal pose (the best of both is {:.0f} mm, {:.1f} "
+        "deg away); at most {:.1f} are believed",
         result.sigmas, 1000.0 * moved.tail<3>().norm(), moved.head<3>().norm() / kDegree,
         config.max_sigmas);
     return result;
   }
   result.accepted = true;
-  const PoseCovariance prior_information = prior.solve(PoseCovariance::Identity());
-  const PoseCovariance held =
-      HeldInformation(pairs, step, X_WC.translation(), config.min_constraint);
-  result.X_WC = MostProbable(X_WC, held, nominal_X_WC, prior_information);
-  const PoseCovariance information = prior_information + held / config.pairs_per_independent;
+  result.X_WC = X_WC;
+  const PoseCovariance information =
+      prior_information +
+      geometry::InformationAbout(X_WC.translation(), step.centroid_A, step.information);
   result.covariance = information.llt().solve(PoseCovariance::Identity());
   return result;
 }

@@ -50,8 +50,8 @@ struct RegisterConfig {
   int iterations{30};
   double min_constraint{0.005};        ///< Of SolvePointToPlane: less of the weight holds nothing.
   int min_pairs{100};                  ///< Fewer are no registration.
-  double pairs_per_independent{40.0};  ///< So many pairs say as much as one independent one.
-  double max_sigmas{5.0};  ///< Pairs that say a pose farther from the nominal one are refused.
+  double pairs_per_independent{12.0};  ///< So many pairs say as much as one independent one.
+  double max_sigmas{5.0};  ///< Pairs that contradict the nominal pose by more are refused.
 
   template <class A>
   void Serialize(A* a) {
@@ -87,6 +87,12 @@ struct RegisterConfig {
 /// perhaps from the other side: both err. `p_CB_W` is from the camera to the base's origin, in W
 /// [m].
 PoseCovariance NominalCovariance(const RegisterConfig& config, const Eigen::Vector3d& p_CB_W);
+
+/// The same where the base has not moved since another view was registered with `covariance`, so
+/// that it is known where the base stands: what that view and the two cameras on the base err by
+/// remains. `p_OC_W` is from the other camera to this one, in W [m].
+PoseCovariance CovarianceBeside(const RegisterConfig& config, const PoseCovariance& covariance,
+                                const Eigen::Vector3d& p_OC_W);
 
 /// The points of a view that registration uses, in C: of the support plane within its rectangle,
 /// and of what stands on it, thinned, each with the normal of its surroundings. The plane's edge
@@ -147,15 +153,16 @@ struct ViewRegistration {
   int constrained{};                                  ///< Directions held by the data, 0 .. 6.
   int pairs{};                                        ///< Of the last iteration.
   double rms{};     ///< Of the distances of these along the normals [m].
-  double sigmas{};  ///< Mahalanobis distance between what the pairs say and the nominal pose.
+  double sigmas{};  ///< Mahalanobis distance between what pairs and nominal pose say, by both.
   bool accepted{};
   std::string reason;  ///< Why not, with values; empty when accepted.
 };
 
 /// Registers a view to the map by robust point-to-plane ICP (Chen and Medioni 1992): nearest
 /// neighbours of compatible normals within a gate that shrinks, Tukey weights, by the sensor's and
-/// the map's uncertainty, and the nominal pose by its covariance: what pairs hold little stays near
-/// it. A result is refused when pairs and nominal pose contradict each other.
+/// the map's uncertainty. Every step weighs the nominal pose, too, by its covariance: what pairs
+/// hold little stays near it instead of sliding. A result is refused when pairs and nominal pose
+/// contradict each other.
 /// @param nominal_X_WC What localisation, head and calibration say, known up to `covariance`.
 /// @throws InvalidArgument for an empty reference, a pose that is not valid, or a covariance that
 /// is not positive definite. ConfigError when `config` is not valid.

@@ -153,11 +153,13 @@ AspectScore Analyse(const world::VoxelSpace& space, const geometry::CameraModel&
   return score;
 }
 
-double MeanVisibility(const AspectTarget& target, const AspectScore& score) {
+/// The mean of `share` of the hypotheses, by belief.
+double MeanShare(const AspectTarget& target, const AspectScore& score,
+                 double ModelVisibility::*share) {
   if (target.hypotheses.empty()) return score.surviving;
   const std::vector<double> beliefs = Beliefs(target.hypotheses);
   double mean = 0.0;
-  for (std::size_t i = 0; i < beliefs.size(); ++i) mean += beliefs[i] * score.models[i].box_share;
+  for (std::size_t i = 0; i < beliefs.size(); ++i) mean += beliefs[i] * score.models[i].*share;
   return mean;
 }
 
@@ -233,12 +235,14 @@ double StrategyScore(LookStrategy strategy, const AspectTarget& target, const As
 }
 
 /// Does the look see enough, and bring enough for its time?
-void CheckWorth(const AspectScore& score, const AspectGraphConfig& config, world::Look* look) {
+void CheckWorth(const AspectTarget& target, const AspectScore& score,
+                const AspectGraphConfig& config, world::Look* look) {
+  const double seen = MeanShare(target, score, &ModelVisibility::seen);
   look->feasible &= AddCheck(
-      "visible", look->visibility >= config.min_visibility,
-      fmt::format("{:.0f} % of {} rays to the box ({:.0f} % blocked, {:.0f} % through unknown "
-                  "space); at least {:.0f} % wanted",
-                  100.0 * look->visibility, score.box_rays, 100.0 * score.blocked,
+      "visible", seen >= config.min_visibility,
+      fmt::format("{:.0f} % of the target by {} rays to its box ({:.0f} % blocked, {:.0f} % "
+                  "through unknown space); at least {:.0f} % wanted",
+                  100.0 * seen, score.box_rays, 100.0 * score.blocked,
                   100.0 * score.through_unknown, 100.0 * config.min_visibility),
       look);
   if (!look->feasible) return;
@@ -270,7 +274,7 @@ AspectGraph ScoreAspectGraph(const world::VoxelSpace& space, const geometry::Cam
     if (!look.feasible) return;
     AspectScore& score = graph.scores[i];
     score = Analyse(space, modelled, 1.0 / (scale * scale), target, look.X_WC, config);
-    look.visibility = MeanVisibility(target, score);
+    look.visibility = MeanShare(target, score, &ModelVisibility::box_share);
     look.gain = Gain(target, belief, score, look.visibility, config);
   });
   if (strategy == LookStrategy::kExpectedLoss) {
@@ -281,7 +285,7 @@ AspectGraph ScoreAspectGraph(const world::VoxelSpace& space, const geometry::Cam
     world::Look& look = graph.looks[i];
     if (!look.feasible) continue;
     look.score = StrategyScore(strategy, target, graph.scores[i], look, config, rng);
-    if (strategy == LookStrategy::kExpectedLoss) CheckWorth(graph.scores[i], config, &look);
+    if (strategy == LookStrategy::kExpectedLoss) CheckWorth(target, graph.scores[i], config, &look);
   }
   return graph;
 }

@@ -37,8 +37,8 @@ double CommonGround::Pairs(const Pose& X_WC, const hal::CameraInfo& camera) cons
   return pairs_a_point_ * static_cast<double>(shared);
 }
 
-double CommonGround::Chance(const Pose& X_WC, const hal::CameraInfo& camera) const {
-  return min_pairs_ > 0 ? std::min(1.0, Pairs(X_WC, camera) / min_pairs_) : 1.0;
+double CommonGround::ChanceOf(double pairs) const {
+  return min_pairs_ > 0 ? std::min(1.0, pairs / min_pairs_) : 1.0;
 }
 
 }  // namespace secondlook::planning

@@ -21,9 +21,13 @@ class CommonGround {
   /// counted: of a thing by itself, a view from behind shares nothing with one from the front.
   double Pairs(const Pose& X_WC, const hal::CameraInfo& camera) const;
 
-  /// The chance that the view can be registered: 1 with as many pairs as registration wants, less
-  /// in proportion.
-  double Chance(const Pose& X_WC, const hal::CameraInfo& camera) const;
+  /// The chance that a view with so many pairs can be registered: 1 with as many as registration
+  /// wants, less in proportion.
+  double ChanceOf(double pairs) const;
+  /// The same of a view from `X_WC`.
+  double Chance(const Pose& X_WC, const hal::CameraInfo& camera) const {
+    return ChanceOf(Pairs(X_WC, camera));
+  }
 
  private:
   std::vector<perception::SurfacePoint> upright_W_;

@@ -37,8 +37,11 @@ ModelVisibility Visibility(const PosedModel& model, const geometry::CameraModel&
                            const std::vector<geometry::RayHit>& hits) {
   ModelVisibility visibility;
   const Eigen::Matrix3d R_MW = model.X_WM.linear().transpose();
+  int of_model = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (hits[i].triangle < 0 || rays[i].stopped) continue;
+    if (hits[i].triangle < 0) continue;
+    ++of_model;
+    if (rays[i].stopped) continue;
     visibility.box_share += rays[i].chance;
     visibility.view_share += 1.0;
     // A pixel's patch of a surface at depth z: z^2 / (fx fy |n . direction|).
@@ -46,6 +49,7 @@ ModelVisibility Visibility(const PosedModel& model, const geometry::CameraModel&
     const double z = hits[i].distance;
     if (slant > 1e-3) visibility.area += rays[i].chance * z * z / (camera.fx * camera.fy * slant);
   }
+  if (of_model > 0) visibility.seen = visibility.box_share / of_model;
   if (!rays.empty()) visibility.box_share /= static_cast<double>(rays.size());
   visibility.view_share /= static_cast<double>(camera.width) * camera.height;
   return visibility;

@@ -15,6 +15,8 @@ namespace secondlook::planning {
 struct ModelVisibility {
   double box_share{};   ///< Of the rays to the target's box that arrive and hit the model, each
                         ///< counted with its chance to survive, in [0, 1].
+  double seen{};        ///< Of the rays that would hit the model alone, the share that arrives,
+                        ///< each counted likewise, in [0, 1]; a thin thing fills little of its box.
   double view_share{};  ///< Of all rays of the camera, unknown space counted as free: the paper's
                         ///< visibility, in [0, 1].
   double area{};        ///< Of the model's surface that these rays see [m^2].

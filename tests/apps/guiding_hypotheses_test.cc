@@ -1,5 +1,7 @@
 #include "apps/guiding_hypotheses.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "lib/world/task.h"
@@ -48,6 +50,21 @@ TEST(GuidingHypotheses, ShareTheBeliefInAClassByTheLeadsOfItsPoses) {
   // Odds of 9 to 1 and 3 to 1, in a class that 0.97 * 0.9 is believed of.
   EXPECT_NEAR(likely[0].probability, 0.873 * 0.75, 1e-9);
   EXPECT_NEAR(likely[1].probability, 0.873 * 0.25, 1e-9);
+}
+
+TEST(GuidingHypotheses, NeedTheLeadOverOtherPosesThatConcludingAsksFor) {
+  fusion::ConcludeConfig config;
+  config.min_lead = 3.0;
+  config.min_near_lead = 2.0;
+  world::Task task;
+  task.confidence = 0.9;
+  const auto needed = [&](const world::PoseHypothesis& other) {
+    const world::ObjectBelief object = Object({Hypothesis("mug", 0.0, 0.95), other});
+    return NeededProbability(object.hypotheses.front(), object, task, config);
+  };
+  EXPECT_DOUBLE_EQ(needed(Hypothesis("jug", 1.0, 0.9)), 0.9);
+  EXPECT_DOUBLE_EQ(needed(Hypothesis("mug", 1.0, 0.9)), 1.0 / (1.0 + std::exp(-3.0)));
+  EXPECT_DOUBLE_EQ(needed(Hypothesis("mug", 0.1, 0.9)), 0.9);  // near: e^2 to 1 is less than that
 }
 
 TEST(GuidingHypotheses, HoldWhatAViewStruckForPossibleAsFarAsItMayMislead) {

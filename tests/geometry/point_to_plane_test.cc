@@ -1,8 +1,12 @@
 #include "lib/geometry/point_to_plane.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
+#include "lib/common/error.h"
 #include "lib/common/rng.h"
+#include "tests/support/expect_throws.h"
 
 namespace secondlook::geometry {
 namespace {
@@ -56,6 +60,71 @@ TEST(SolvePointToPlane, MakesNoStepFromFewerThanSixPairs) {
   const PointPlaneStep step = SolvePointToPlane(pairs);
   EXPECT_EQ(step.constrained, 0);
   EXPECT_TRUE(step.X.isApprox(Pose::Identity()));
+}
+
+/// A plane z = 0 whose points were measured 3 cm too low, each with a weight of 1e4 / 200.
+std::vector<PointPlanePair> LowPlane() {
+  Rng rng(2);
+  std::vector<PointPlanePair> pairs;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d p(rng.Uniform(-1, 1), rng.Uniform(-1, 1), -0.03);
+    pairs.push_back({p, {p.x(), p.y(), 0.0}, Eigen::Vector3d::UnitZ(), 50.0});
+  }
+  return pairs;
+}
+
+TEST(SolvePointToPlane, LeavesWhatThePairsDoNotHoldToThePrior) {
+  MotionPrior prior;
+  prior.mean << 0.0, 0.0, 0.02, 0.01, -0.04, 0.0;
+  prior.information.diagonal().setConstant(1.0);  // the pairs weigh 10,000 along z
+  const PointPlaneStep step = SolvePointToPlane(LowPlane(), prior);
+  EXPECT_EQ(step.constrained, 3);
+  // What the prior says of the origin: along the plane it moves as the prior expects, …
+  EXPECT_NEAR((step.X * Eigen::Vector3d::Zero()).x(), 0.01, 1e-4);
+  EXPECT_NEAR((step.X * Eigen::Vector3d::Zero()).y(), -0.04, 1e-4);
+  EXPECT_NEAR(RotationDistance(step.X.linear(), Eigen::Matrix3d::Identity()), 0.02, 1e-4);
+  // … and across it by 10,000 against 1.
+  EXPECT_NEAR((step.X * Eigen::Vector3d::Zero()).z(), 0.03 * 1e4 / (1e4 + 1.0), 1e-5);
+}
+
+TEST(SolvePointToPlane, LetsTheMoreCertainOfPairsAndPriorPrevail) {
+  MotionPrior prior;  // it expects no motion at all
+  prior.information.diagonal().setConstant(1e9);
+  prior.information(5, 5) = 3e4;
+  const PointPlaneStep step = SolvePointToPlane(LowPlane(), prior);
+  EXPECT_NEAR((step.X * Eigen::Vector3d::Zero()).z(), 0.03 / 4.0, 1e-6);
+  // 3 cm by two variances, 1 / 1e4 and 1 / 3e4.
+  EXPECT_NEAR(step.sigmas, 0.03 / std::sqrt(1.0 / 1e4 + 1.0 / 3e4), 1e-3);
+}
+
+TEST(SolvePointToPlane, MakesThePriorsMoveFromFewerThanSixPairs) {
+  MotionPrior prior;
+  prior.p_AO = {1.0, 2.0, 3.0};
+  prior.mean << 0.0, 0.0, 0.002, 0.1, 0.0, 0.0;
+  prior.information.setIdentity();
+  const PointPlaneStep step = SolvePointToPlane({}, prior);
+  EXPECT_EQ(step.constrained, 0);
+  // The origin goes with O and turns about it: t + r x (0 - O).
+  const Eigen::Vector3d origin = step.X * Eigen::Vector3d::Zero();
+  EXPECT_NEAR((origin - Eigen::Vector3d(0.104, -0.002, 0.0)).norm(), 0.0, 1e-5);
+}
+
+TEST(SolvePointToPlane, RefusesAPriorThatLeavesADirectionOpen) {
+  MotionPrior prior;
+  prior.information.diagonal() << 1.0, 1.0, 1.0, 1.0, 1.0, 0.0;
+  EXPECT_THROWS(SolvePointToPlane(LowPlane(), prior), InvalidArgument,
+                "the information of the prior is not positive definite");
+}
+
+TEST(InformationAbout, ALeverMakesTheTurnCount) {
+  // Only the z of a point O is known, one metre along x from Q: it moves by the turn about -y.
+  Eigen::Matrix<double, 6, 6> known = Eigen::Matrix<double, 6, 6>::Zero();
+  known(5, 5) = 4.0;
+  const auto about = InformationAbout(Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), known);
+  EXPECT_DOUBLE_EQ(about(1, 1), 4.0);
+  EXPECT_DOUBLE_EQ(about(5, 5), 4.0);
+  EXPECT_DOUBLE_EQ(about(1, 5), -4.0);
+  EXPECT_DOUBLE_EQ(about(0, 0), 0.0);
 }
 
 }  // namespace

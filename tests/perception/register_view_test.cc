@@ -186,6 +186,24 @@ TEST(ViewPoints, LieOnTheSurfacesWithTheirNormals) {
   EXPECT_GT(edge, 50);
 }
 
+TEST(CovarianceBeside, HoldsWhatTheOtherViewAndBothCamerasErrBy) {
+  RegisterConfig config;
+  config.extrinsics_m = 0.003;
+  config.extrinsics_deg = 0.01 / kDegree;
+  PoseCovariance covariance = PoseCovariance::Zero();
+  covariance(3, 3) = 0.004 * 0.004;
+  const PoseCovariance beside = CovarianceBeside(config, covariance, {2.0, 0.0, 0.0});
+  EXPECT_NEAR(beside(0, 0), 2.0 * 0.01 * 0.01, 1e-12);                    // both cameras' turns
+  EXPECT_NEAR(beside(3, 3), 2.0 * 0.003 * 0.003 + 0.004 * 0.004, 1e-12);  // along the lever
+  // Across it the other camera's turn counts, too: 2 m by 0.01.
+  EXPECT_NEAR(beside(4, 4), 2.0 * 0.003 * 0.003 + 0.02 * 0.02, 1e-12);
+  EXPECT_NEAR(beside(2, 4), 2.0 * 0.01 * 0.01, 1e-12);
+  const PoseCovariance driven = NominalCovariance(RegisterConfig(), Vector3d::Zero());
+  const PoseCovariance stood =
+      CovarianceBeside(RegisterConfig(), PoseCovariance::Zero(), Vector3d::Zero());
+  EXPECT_GT((driven - stood).diagonal().minCoeff(), 0.0);
+}
+
 TEST(RegisterView, BringsViewsThatOverlapWithin5MillimetresAndHalfADegree) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     Trial trial(seed);
@@ -260,6 +278,33 @@ TEST(RegisterView, LeavesABarePlaneWhereItIsAlongItself) {
   EXPECT_GT(std::sqrt(registration.covariance(3, 3)), 0.02);
 }
 
+TEST(RegisterView, AWellKnownPoseIsNotPulledAwayByAFewPairs) {
+  // A plane, and a small upright surface that has been pushed by 6 mm since.
+  const auto surface = [](double pushed) {
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 400; ++i) {
+      points.push_back({{0.02 * (i % 20), 0.02 * (i / 20), 0.0}, Vector3d::UnitZ(), 0.002});
+    }
+    for (int i = 0; i < 120; ++i) {
+      points.push_back({{0.2 + pushed, 0.1 + 0.006 * (i % 20), 0.02 + 0.006 * (i / 20)},
+                        Vector3d::UnitX(),
+                        0.002});
+    }
+    return points;
+  };
+  ReferenceCloud reference;
+  reference.AddView(surface(0.006), Pose::Identity());
+  const auto moved = [&](double sigma) {  // of the nominal pose, in metres and radians
+    const ViewRegistration registration = RegisterView(surface(0.0), reference, Pose::Identity(),
+                                                       sigma * sigma * PoseCovariance::Identity());
+    EXPECT_TRUE(registration.accepted) << registration.reason;
+    EXPECT_EQ(registration.constrained, 5);
+    return registration.X_WC.translation().x();
+  };
+  EXPECT_GT(moved(0.05), 0.005);   // the base may be anywhere
+  EXPECT_LT(moved(0.001), 0.004);  // an arm is not
+}
+
 TEST(RegisterView, VerifiedModelsHoldAViewFromTheOtherSide) {
   // On a table too large to show its edges.
   const Eigen::Vector2d table(6.0, 6.0);
@@ -288,7 +333,7 @@ TEST(RegisterView, RefusesWhatIsTooFarFromTheNominalPose) {
   const View first = trial.Look(0.0);
   const View second = trial.Look(30.0);
   const ViewRegistration registration = RegisterView(
-      second.points_C, MapOf(first), second.nominal_X_WC, 1e-8 * PoseCovariance::Identity());
+      second.points_C, MapOf(first), second.nominal_X_WC, 1e-6 * PoseCovariance::Identity());
   EXPECT_FALSE(registration.accepted);
   EXPECT_THAT(registration.reason, ::testing::HasSubstr("sigma from the nominal pose"));
   EXPECT_TRUE(registration.X_WC.isApprox(second.nominal_X_WC));

@@ -123,6 +123,21 @@ TEST(AspectGraph, AWallTakesTheRaysFromItsSideAlone) {
   EXPECT_THAT(choice.reason, ::testing::HasSubstr("1 of 4 refused: 1 visible"));
 }
 
+TEST(AspectGraph, AThinThingFillsLittleOfItsBoxAndIsSeenAllTheSame) {
+  // A rod along the diagonal of its box.
+  const Model rod(geometry::MakeBox({0.4, 0.006, 0.006}, kGrey));
+  AspectTarget target = BoxTarget(Vector3d::Constant(0.235));
+  target.hypotheses = {rod.At(kTarget)};
+  target.hypotheses[0].X_WM.linear() =
+      RotationFromRollPitchYaw(0.0, std::asin(1.0 / std::sqrt(3.0)), kPi / 4.0);
+  const AspectGraph graph = Score(FreeSpace(), target, Ring(8));
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_LT(graph.looks[i].visibility, AspectGraphConfig().min_visibility);
+    EXPECT_NEAR(graph.scores[i].models[0].seen, 1.0, 1e-12);
+    EXPECT_TRUE(graph.looks[i].feasible) << graph.looks[i].reason;
+  }
+}
+
 TEST(AspectGraph, HalfAWallTakesHalfOfTheRays) {
   const Vector3d size(0.1, 0.2, 0.1);
   AspectTarget target = BoxTarget(size);
