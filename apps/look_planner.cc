@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <utility>
 
 #include "apps/guiding_hypotheses.h"
@@ -25,6 +26,12 @@ using world::ObjectBelief;
 constexpr std::size_t kLooksBeside = 8;
 /// Cameras no farther apart see the same [m].
 constexpr double kSamePlace = 0.05;
+/// What a scan shows is asked of so many of its rays along each edge of the picture, as a share…
+constexpr double kScanRays = 0.25;
+/// …which pass so near to what is seen of the thing [m].
+constexpr double kAroundScan = 0.08;
+/// From one scan of a fixed ring to the next [rad].
+constexpr double kRingStep = std::numbers::pi / 4.0;
 /// Nothing is thinner than this [m].
 constexpr double kThinnest = 0.005;
 
@@ -40,6 +47,50 @@ void RefuseToDrive(world::Look* look) {
   if (look->path_W.empty() || !look->feasible) return;
   look->feasible =
       planning::AddCheck("arm folded", false, "the arm is lost, and not folded: no driving", look);
+}
+
+/// The part of the picture that shows `box_W` and what is around it, with fewer rays.
+geometry::CameraModel RaysAt(const Eigen::AlignedBox3d& box_W, const geometry::CameraModel& camera,
+                             const Pose& X_WC) {
+  geometry::CameraModel part = camera.Scaled(kScanRays);
+  Eigen::AlignedBox2d pixels;
+  for (int i = 0; i < 8; ++i) {
+    const auto corner = static_cast<Eigen::AlignedBox3d::CornerType>(i);
+    const Vector3d p_C = X_WC.inverse() * box_W.corner(corner);
+    if (!(p_C.z() > kAroundScan)) return part;
+    const Eigen::Vector2d at(part.fx * p_C.x() / p_C.z() + part.cx,
+                             part.fy * p_C.y() / p_C.z() + part.cy);
+    const Eigen::Vector2d around = kAroundScan / p_C.z() * Eigen::Vector2d(part.fx, part.fy);
+    pixels.extend(at - around);
+    pixels.extend(at + around);
+  }
+  const Eigen::Vector2i low = pixels.min().cwiseMax(0.0).cast<int>();
+  part.width = std::min(part.width, static_cast<int>(std::ceil(pixels.max().x())) + 1) - low.x();
+  part.height = std::min(part.height, static_cast<int>(std::ceil(pixels.max().y())) + 1) - low.y();
+  part.cx -= low.x();
+  part.cy -= low.y();
+  return part;
+}
+
+/// How far the direction of `look` is from the next of a ring round the thing [rad].
+double OffFixedStep(const ScanTarget& target, const world::Look& look) {
+  const auto azimuth = [&](const Vector3d& p_W) {
+    const Vector3d way_W = p_W - target.box_W.center();
+    return std::atan2(way_W.y(), way_W.x());
+  };
+  return std::abs(WrapAngle(azimuth(look.X_WC.translation()) - azimuth(target.last_W) - kRingStep));
+}
+
+/// A scan from there could not be fused, so the next could not either.
+void CheckNotRefused(const ScanTarget& target, world::Look* look) {
+  for (const Vector3d& p : target.refused_W) {
+    if ((look->X_WC.translation() - p).norm() >= kSamePlace) continue;
+    look->feasible = planning::AddCheck(
+        "not refused", false,
+        fmt::format("a scan from ({:.2f}, {:.2f}, {:.2f}) m was refused", p.x(), p.y(), p.z()),
+        look);
+    return;
+  }
 }
 
 }  // namespace
@@ -84,18 +135,10 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
 
   const planning::CommonGround ground(scene.reference().Points(), registration_);
   std::optional<planning::ArmCollision> around_arm;
-  if (arm_ && arm_looks_ && !targets.empty())
+  if (arm_ && arm_looks_ && (!targets.empty() || question.scan))
     around_arm = arm_->CollisionAt(stance, space, supports_W);
   const hal::JointTrajectory folding = arm_ ? arm_->Folding(stance.q) : hal::JointTrajectory{};
-  std::vector<world::Look> looks;
-  std::vector<int> target_of;  // one a look
-  for (int t = 0; t < static_cast<int>(targets.size()); ++t) {
-    const auto add = [&](std::vector<world::Look> scored) {
-      target_of.resize(target_of.size() + scored.size(), t);
-      std::move(scored.begin(), scored.end(), std::back_inserter(looks));
-    };
-    const int id = targets[t].id;
-    const Eigen::AlignedBox3d& box_W = targets[t].box_W;
+  const auto by_head = [&](const Eigen::AlignedBox3d& box_W, int id) {
     std::vector<world::Look> views =
         planning::CandidateViews(box_W.center(), id, carrier_, reach, config_.views);
     for (world::Look& view : planning::PlacedViews(box_W, id, carrier_, reach, config_.views)) {
@@ -109,7 +152,18 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
       view.arm_motion = folding;
       view.seconds += folding.seconds();
     }
-    add(Score(space, targets[t], ground, LookWay::kHead, std::move(views), rng));
+    return views;
+  };
+  std::vector<world::Look> looks;
+  std::vector<int> target_of;  // one a look
+  for (int t = 0; t < static_cast<int>(targets.size()); ++t) {
+    const auto add = [&](std::vector<world::Look> scored) {
+      target_of.resize(target_of.size() + scored.size(), t);
+      std::move(scored.begin(), scored.end(), std::back_inserter(looks));
+    };
+    const int id = targets[t].id;
+    const Eigen::AlignedBox3d& box_W = targets[t].box_W;
+    add(Score(space, targets[t], ground, LookWay::kHead, by_head(box_W, id), rng));
     if (!arm_ || !arm_looks_) continue;
     add(Score(space, targets[t], ground, LookWay::kArm,
               arm_->Views(box_W.center(), id, stance, *around_arm), rng));
@@ -125,6 +179,19 @@ std::vector<world::Look> LookPlanner::Candidates(const SceneUnderstanding& scene
     }
   }
   if (ByLoss()) AddGainsBeside(space, ground, targets, target_of, &looks);
+  if (question.scan) {
+    const ScanTarget& target = *question.scan;
+    const Eigen::AlignedBox3d box_W = WithBody(target.box_W);
+    std::vector<world::Look> views = by_head(box_W, target.object);
+    if (arm_ && arm_looks_) {
+      for (world::Look& view : arm_->Views(box_W.center(), target.object, stance, *around_arm)) {
+        views.push_back(std::move(view));
+      }
+    }
+    for (world::Look& look : ScoreScans(target, ground, std::move(views), rng)) {
+      looks.push_back(std::move(look));
+    }
+  }
   return looks;
 }
 
@@ -154,6 +221,63 @@ std::vector<world::Look> LookPlanner::Score(const world::VoxelSpace& space,
     if (graph.looks[i].feasible) WeighByCommonGround(ground, target, &graph.looks[i]);
   });
   return std::move(graph.looks);
+}
+
+/// The views of a thing that is being modelled, scored. When none shows enough of its surface for
+/// the first time, none is possible.
+std::vector<world::Look> LookPlanner::ScoreScans(const ScanTarget& target,
+                                                 const planning::CommonGround& ground,
+                                                 std::vector<world::Look> views, Rng* rng) const {
+  for (world::Look& look : views) CheckScan(target, &look);
+  std::vector<planning::ScanGain> gains(views.size());
+  ParallelFor(static_cast<int>(views.size()), [&](int i) {
+    if (!views[i].feasible) return;
+    const geometry::CameraModel& camera = CameraOf(views[i].way).model;
+    gains[i] = target.gain->Measure(RaysAt(target.box_W, camera, views[i].X_WC), views[i].X_WC);
+  });
+  double most = 0.0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!(target.surface > 0.0)) break;
+    views[i].visibility = std::min(gains[i].new_surface / target.surface, 1.0);
+    most = std::max(most, views[i].visibility);
+  }
+  const std::vector<double> utilities =
+      planning::KriegelUtilities(gains, target.scans, modelling_.gain);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    world::Look& look = views[i];
+    if (!look.feasible) continue;
+    look.feasible = planning::AddCheck(
+        "new surface", most >= modelling_.worthwhile,
+        fmt::format("adds {:.1f} % to the surface that is seen, the best of all {:.1f} %; "
+                    "{:.1f} % are worth a scan",
+                    100.0 * look.visibility, 100.0 * most, 100.0 * modelling_.worthwhile),
+        &look);
+    look.gain = config_.aspect_graph.loss.incomplete * look.visibility;
+    look.score = look.gain / (look.seconds + config_.aspect_graph.look_seconds);
+    switch (ParseScanStrategy(modelling_.strategy)) {
+      case ScanStrategy::kNewSurface:
+        WeighByCommonGround(ground, {}, &look);
+        break;
+      case ScanStrategy::kKriegel:
+        look.score = utilities[i];
+        break;
+      case ScanStrategy::kRandom:
+        look.score = rng->Uniform(0.0, 1.0);
+        break;
+      case ScanStrategy::kFixedStep:
+        look.score = 1.0 / (1.0 + OffFixedStep(target, look));
+        break;
+    }
+  }
+  return views;
+}
+
+/// What any scan must pass, beside that it can be reached.
+void LookPlanner::CheckScan(const ScanTarget& target, world::Look* look) const {
+  look->kind = "scan";
+  if (look->feasible) CheckNotRefused(target, look);
+  if (look->feasible) CheckNotInVain(look);
+  if (look->feasible) CheckWithinWorkspace(look);
 }
 
 /// Whoever has learned nothing there, with nothing moved since, learns nothing there again.

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "apps/arm_looks.h"
+#include "apps/exploration.h"
 #include "apps/mission_config.h"
 #include "apps/scene_understanding.h"
 #include "lib/common/rng.h"
@@ -34,9 +35,10 @@ struct Question {
   std::vector<const world::ObjectBelief*> open;   ///< That may have another look.
   std::vector<const world::ObjectBelief*> spent;  ///< Open, but had all the looks it may have.
   std::vector<Eigen::AlignedBox3d> hidden_W;      ///< Where something could stand unseen.
+  std::optional<ScanTarget> scan;                 ///< A thing that is being modelled.
   const world::VoxelSpace* map{};  ///< To plan in instead of the scene's own; null: that.
 
-  bool Empty() const { return open.empty() && hidden_W.empty(); }
+  bool Empty() const { return open.empty() && hidden_W.empty() && !scan; }
 };
 
 /// The half of the cycle that decides where to look next: the candidates for all that is open, what
@@ -52,6 +54,9 @@ class LookPlanner {
 
   /// Looks by the one-shot vote (one_shot_look.h) are offered, too. It must outlive this.
   void KnowClassifier(const perception::Classifier& classifier) { classifier_ = &classifier; }
+
+  /// What is not known may be modelled, in this way.
+  void KnowModelling(const ModellingConfig& config) { modelling_ = config; }
 
   /// The arm has set out along `motion` and stands at `q` [rad]. @pre it is known.
   void NoteArm(const hal::JointTrajectory& motion, const Eigen::VectorXd& q) {
@@ -98,12 +103,16 @@ class LookPlanner {
                                    const world::ObjectBelief& object);
   planning::AspectTarget TargetFor(const SceneUnderstanding& scene,
                                    const Eigen::AlignedBox3d& hidden_W) const;
+  std::vector<world::Look> ScoreScans(const ScanTarget& target,
+                                      const planning::CommonGround& ground,
+                                      std::vector<world::Look> views, Rng* rng) const;
   bool ByLoss() const;
   const hal::CameraInfo& CameraOf(world::LookWay way) const;
   std::vector<world::Look> Score(const world::VoxelSpace& space,
                                  const planning::AspectTarget& target,
                                  const planning::CommonGround& ground, world::LookWay way,
                                  std::vector<world::Look> views, Rng* rng) const;
+  void CheckScan(const ScanTarget& target, world::Look* look) const;
   void CheckNotInVain(world::Look* look) const;
   void CheckWithinWorkspace(world::Look* look) const;
   void WeighByCommonGround(const planning::CommonGround& ground,
@@ -114,6 +123,7 @@ class LookPlanner {
   const geometry::RayCaster& CasterOf(const perception::RecognitionModel& model);
 
   LookConfig config_;
+  ModellingConfig modelling_;
   fusion::ConcludeConfig conclude_;
   perception::RegisterConfig registration_;
   planning::CameraCarrier carrier_;

@@ -53,6 +53,21 @@ int PhaseOf(DriveOutcome::Kind kind) {
   }
 }
 
+/// True when a look of this kind can be taken.
+bool Offers(const std::vector<world::Look>& looks, const std::string& kind) {
+  return std::any_of(looks.begin(), looks.end(),
+                     [&](const world::Look& look) { return look.feasible && look.kind == kind; });
+}
+
+/// Why no scan can be taken.
+std::string RefusedScans(std::vector<world::Look> looks) {
+  std::erase_if(looks, [](const world::Look& look) { return look.kind != "scan"; });
+  double most = 0.0;
+  for (const world::Look& look : looks) most = std::max(most, look.visibility);
+  return fmt::format("the best of them would add {:.1f} % to what is seen; {}", 100.0 * most,
+                     planning::RefusalSummary(looks));
+}
+
 }  // namespace
 
 Mission::Mission(const MissionConfig& config, const world::Task& task,
@@ -72,7 +87,11 @@ Mission::Mission(const MissionConfig& config, const world::Task& task,
       scene_(config.understanding, task, database),
       planner_(config.looks, config.understanding,
                {robot->base->info(), robot->head->info(), calibration, robot->head_camera->info()}),
-      start_(robot->clock->Now()) {}
+      start_(robot->clock->Now()) {
+  if (!config_.modelling) return;
+  exploration_.emplace(*config_.modelling, database);
+  planner_.KnowModelling(*config_.modelling);
+}
 
 Progress Mission::Step() try {
   std::optional<TakenLook> look;
@@ -102,7 +121,7 @@ std::optional<TakenLook> Mission::Plan() {
   }
   Understand(*capture);
   if (!belief().plane_W) return SearchForTable();
-  return Choose(WhatIsOpen());
+  return Choose();
 }
 
 void Mission::KnowArm(const kinematics::EyeInHand& hand) {
@@ -257,6 +276,42 @@ Question Mission::WhatIsOpen() const {
   return question;
 }
 
+/// What is open and, when it is nothing but hidden space, what is to be modelled.
+Question Mission::WhatToAsk() {
+  Question question = WhatIsOpen();
+  while (exploration_ && question.open.empty()) {
+    std::optional<ModelledThing> thing = exploration_->Work(belief(), robot_->clock->Now());
+    if (!thing) {
+      scene_.DoNotRecognise(exploration_->NotToRecognise());
+      question.scan = exploration_->Target(belief(), scene_.space());
+      break;
+    }
+    Know(*std::move(thing));
+    question = WhatIsOpen();
+  }
+  return question;
+}
+
+/// Recognises what was modelled from now on, and has it kept.
+void Mission::Know(ModelledThing thing) {
+  const int id = thing.object;
+  scene_.DoNotRecognise({});
+  if (thing.model.empty()) {
+    scene_.Note(id, "was not modelled: " + thing.reason);
+  } else {
+    scene_.LearnModelled(id, AsModel(thing.scanned), thing.X_WM);
+    scene_.Note(id, fmt::format("modelled as '{}' from {} scans, {:.0f} % of it seen: {}",
+                                thing.model, thing.scanned.provenance.scans,
+                                100.0 * thing.scanned.provenance.coverage, thing.reason));
+    if (keep_) thing.not_kept = keep_(thing.scanned);
+    if (!thing.not_kept.empty()) {
+      spdlog::warn("model '{}' is known in this mission alone: {}", thing.model, thing.not_kept);
+    }
+  }
+  spdlog::info("object {}: {}", id, belief().objects[id].reason);
+  record_.modelled.push_back(std::move(thing));
+}
+
 /// True when the task wants certain classes and each has been found.
 bool Mission::AllWantedFound() const {
   const auto found = [&](const auto& wanted) {
@@ -298,7 +353,8 @@ std::optional<TakenLook> Mission::SearchForTable() {
   return taken;
 }
 
-std::optional<TakenLook> Mission::Choose(const Question& question) {
+std::optional<TakenLook> Mission::Choose() {
+  const Question question = WhatToAsk();
   const auto settled = [&] {
     if (belief().objects.empty()) {
       End(Progress::kSettled, "nothing was found on the table");
@@ -316,6 +372,11 @@ std::optional<TakenLook> Mission::Choose(const Question& question) {
     return std::nullopt;
   }
   TakenLook best = ScoreLooks(question);
+  if (question.scan && !Offers(best.candidates, "scan")) {
+    Know(exploration_->Finish(belief(), "no scan adds anything: " + RefusedScans(best.candidates),
+                              robot_->clock->Now()));
+    return Choose();
+  }
   if (best.look.chosen) return best;
   record_.looks.push_back(best);
   if (question.open.empty()) return settled();  // nowhere to see hidden space from
@@ -389,7 +450,8 @@ Progress Mission::Act(TakenLook taken) {
   }
   if (outcome.base_failed) {
     planner_.Block(WhatStopped(look, outcome), robot_->clock->Now());
-  } else if (look.target >= 0 && look.target < std::ssize(belief().objects)) {
+  } else if (look.kind != "scan" && look.target >= 0 &&
+             look.target < std::ssize(belief().objects)) {
     scene_.CountLook(look.target);  // one that was stopped on the way was none for its sake
   }
   record_.looks.push_back(std::move(taken));
@@ -445,6 +507,12 @@ void Mission::Resume() {
 
 void Mission::End(Progress progress, std::string why) {
   robot_->Stop();
+  const bool well = progress != Progress::kStopped && progress != Progress::kFailed;
+  if (exploration_ && well) {
+    std::optional<ModelledThing> thing =
+        exploration_->FinishAny(belief(), why, robot_->clock->Now());
+    if (thing) Know(*std::move(thing));
+  }
   progress_ = progress;
   record_.total_seconds = SecondsSince(start_);
   record_.end = std::move(why);

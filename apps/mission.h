@@ -10,6 +10,7 @@
 
 #include "apps/capture.h"
 #include "apps/drive.h"
+#include "apps/exploration.h"
 #include "apps/look_planner.h"
 #include "apps/mission_config.h"
 #include "apps/publisher.h"
@@ -47,12 +48,17 @@ struct TakenLook {
 /// What a mission has done so far.
 struct MissionRecord {
   std::vector<TakenLook> looks;
-  double compute_seconds{};  ///< Robot time charged for thinking.
-  double motion_seconds{};   ///< Robot time spent moving.
-  double total_seconds{};    ///< Robot time since the start.
-  double metres{};           ///< Driven, by localisation.
-  std::string end;           ///< Why it ended, in words; empty while it runs.
+  double compute_seconds{};             ///< Robot time charged for thinking.
+  double motion_seconds{};              ///< Robot time spent moving.
+  double total_seconds{};               ///< Robot time since the start.
+  double metres{};                      ///< Driven, by localisation.
+  std::string end;                      ///< Why it ended, in words; empty while it runs.
+  std::vector<ModelledThing> modelled;  ///< What was, or could not be.
 };
+
+/// Is given each model that the mission has made, to keep it. Returns why it could not; empty when
+/// it could.
+using ModelKeeper = std::function<std::string(const world::ScannedModel& model)>;
 
 /// Has the last word on each look. It is given the mission's own choice, or none and why the
 /// mission would end, and returns the look to take, or none to end here.
@@ -115,6 +121,9 @@ class Mission {
   /// The base is to stay within `workspace`: looks that it would leave it for are refused.
   void KeepWithin(const hal::Workspace& workspace) { planner_.KeepWithin(workspace); }
 
+  /// Models that it makes are given to `keep`; without, they are known in this mission alone.
+  void LetKeep(ModelKeeper keep) { keep_ = std::move(keep); }
+
   /// Lets `choose` decide on each look from now on.
   void LetChoose(LookChooser choose) { choose_ = std::move(choose); }
 
@@ -137,11 +146,13 @@ class Mission {
   void Understand(Capture capture);
   TakenLook ScoreLooks(const Question& question);
   Question WhatIsOpen() const;
+  Question WhatToAsk();
+  void Know(ModelledThing thing);
   bool AllWantedFound() const;
   bool Matters(const world::ObjectBelief& object) const;
   bool GoOnWithoutArm(const DeviceError& error);
   std::optional<TakenLook> SearchForTable();
-  std::optional<TakenLook> Choose(const Question& question);
+  std::optional<TakenLook> Choose();
   std::optional<TakenLook> Overruled(std::optional<TakenLook> own);
   Progress Act(TakenLook look);
   Eigen::Vector2d WhatStopped(const world::Look& look, const DriveOutcome& outcome) const;
@@ -166,6 +177,8 @@ class Mission {
   Capturer capturer_;
   SceneUnderstanding scene_;
   LookPlanner planner_;
+  std::optional<Exploration> exploration_;  // empty: what is unknown stays so
+  ModelKeeper keep_;
   std::map<int, std::string> told_;            // last logged reason, by object
   world::LookWay eye_{world::LookWay::kHead};  // the camera of the next view
   bool arm_known_{};                           // and not lost

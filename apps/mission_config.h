@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "apps/arm_looks.h"
+#include "apps/modelling_config.h"
 #include "lib/common/error.h"
 #include "lib/fusion/conclude.h"
 #include "lib/perception/recognise.h"
@@ -131,11 +134,13 @@ struct LookConfig {
 struct MissionConfig {
   UnderstandingConfig understanding;
   LookConfig looks;
+  std::optional<ModellingConfig> modelling;  ///< Of what it does not know; empty: it stays unknown.
 
   template <class A>
   void Serialize(A* a) {
     a->Visit("understanding", &understanding);
     a->Visit("looks", &looks);
+    a->Visit("modelling", &modelling);
   }
 };
 

@@ -105,6 +105,19 @@ Json ToJson(const world::Look& look, int step, const std::string& outcome) {
   return json;
 }
 
+Json ToJson(const ModelledThing& thing) {
+  const bool made = !thing.model.empty();
+  Json json;
+  json["object"] = thing.object;
+  json["model"] = made ? Json(thing.model) : Json(nullptr);
+  json["coverage"] = thing.coverage;
+  json["refused"] = thing.refused;
+  json["reason"] = thing.reason;
+  json["not_kept"] = thing.not_kept.empty() ? Json(nullptr) : Json(thing.not_kept);
+  json["triangles"] = thing.scanned.mesh.triangles.size();
+  return json;
+}
+
 }  // namespace
 
 Json ToJson(const world::SceneBelief& belief, const MissionRecord& record, std::uint64_t seed) {
@@ -120,6 +133,8 @@ Json ToJson(const world::SceneBelief& belief, const MissionRecord& record, std::
       json["looks"].push_back(ToJson(look, static_cast<int>(i) + 1, taken.outcome));
     }
   }
+  if (!record.modelled.empty()) json["modelled"] = Json::array();
+  for (const ModelledThing& thing : record.modelled) json["modelled"].push_back(ToJson(thing));
   json["seconds"] = {{"compute", record.compute_seconds},
                      {"motion", record.motion_seconds},
                      {"total", record.total_seconds}};

@@ -8,6 +8,7 @@
 
 #include "apps/json_output.h"
 #include "apps/mission_json.h"
+#include "apps/model_picture.h"
 #include "apps/page.h"
 #include "apps/view_picture.h"
 #include "lib/common/files.h"
@@ -31,6 +32,10 @@ void WriteReport(const RunConfig& config, const Mission& mission, const Story& s
     cv::imencode(".png", bgr, png);
     WriteFile(folder / fmt::format("view_{}.png", i),
               {reinterpret_cast<const char*>(png.data()), png.size()});
+  }
+  for (const ModelledThing& thing : mission.record().modelled) {
+    if (thing.model.empty()) continue;
+    SaveModelPicture(thing.scanned.full, folder / fmt::format("model_{}.png", thing.model));
   }
 }
 

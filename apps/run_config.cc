@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 /// Every path in `config` that is relative.
 std::vector<std::string*> RelativePaths(RunConfig* config) {
-  std::vector<std::string*> paths{&config->models, &config->classifier};
+  std::vector<std::string*> paths{&config->models, &config->learned, &config->classifier};
   if (auto* sim = std::get_if<sim::SimConfig>(&config->robot)) {
     paths.push_back(&sim->scene);
     if (sim->arm) paths.push_back(&sim->arm->urdf);
@@ -53,6 +53,21 @@ RunConfig LoadRunConfig(const fs::path& file, const std::vector<std::string>& ov
         file.string());
   }
   return config;
+}
+
+world::ObjectDatabase LoadDatabase(const RunConfig& config) {
+  auto database = world::ObjectDatabase::Load(config.models);
+  if (config.learned.empty() || !fs::is_directory(config.learned)) return database;
+  if (fs::is_empty(config.learned)) return database;
+  const auto learned = world::ObjectDatabase::Load(config.learned);
+  for (const world::ObjectModel& model : learned.models()) {
+    if (database.Find(model.name) != nullptr) {
+      Throw<ConfigError>("'{}' is a model in both {} (models) and {} (learned): remove one",
+                         model.name, config.models, config.learned);
+    }
+    database.Add(model);
+  }
+  return database;
 }
 
 RunConfig ParseRunConfig(const std::string& text, const std::string& source) {

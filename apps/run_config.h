@@ -23,6 +23,8 @@ using RobotConfig = std::variant<sim::SimConfig, RealConfig>;
 struct RunConfig {
   RobotConfig robot;
   std::string models;      ///< Folder of the object database.
+  std::string learned;     ///< Folder of the models that missions make, read beside `models`; "":
+                           ///< they are not kept.
   std::string classifier;  ///< Model file of a classifier of what things look like; "": none.
   world::Task task;
   MissionConfig mission;
@@ -34,6 +36,7 @@ struct RunConfig {
   void Serialize(A* a) {
     a->Visit("robot", &robot);
     a->Visit("models", &models);
+    a->Visit("learned", &learned);
     a->Visit("classifier", &classifier);
     a->Visit("task", &task);
     a->Visit("mission", &mission);
@@ -52,6 +55,10 @@ struct RunConfig {
 /// @throws ConfigError with the place of what is wrong.
 RunConfig LoadRunConfig(const std::filesystem::path& file,
                         const std::vector<std::string>& overrides);
+
+/// What `config` says that the robot knows: its models and those that missions have made.
+/// @throws ConfigError as ObjectDatabase::Load() does, or for two of one name.
+world::ObjectDatabase LoadDatabase(const RunConfig& config);
 
 /// Reads what ToText() has written; messages call it `source`.
 /// @throws ConfigError with the place of what is wrong.

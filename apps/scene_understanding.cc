@@ -23,22 +23,59 @@ using world::PoseHypothesis;
 constexpr int kGonePoints = 40;
 constexpr double kGoneShare = 0.5;
 
+/// Puts what shows one of `objects` behind what is open, as if it were explained.
+void LeaveUnrecognised(const std::set<int>& objects, Associated* things) {
+  Associated sorted;
+  for (const bool asked : {true, false}) {
+    for (std::size_t i = 0; i < things->clusters.size(); ++i) {
+      const bool open = i < static_cast<std::size_t>(things->open);
+      if (asked != (open && !objects.contains(things->objects[i]))) continue;
+      sorted.clusters.push_back(std::move(things->clusters[i]));
+      sorted.objects.push_back(things->objects[i]);
+    }
+    if (asked) sorted.open = static_cast<int>(sorted.clusters.size());
+  }
+  *things = std::move(sorted);
+}
+
 }  // namespace
 
 SceneUnderstanding::SceneUnderstanding(const UnderstandingConfig& config, const world::Task& task,
                                        const world::ObjectDatabase& database)
     : config_(config), task_(task), models_(perception::TrainModels(database)), map_(config) {}
 
-void SceneUnderstanding::Learn(const world::ObjectModel& model) {
+void SceneUnderstanding::InsertModel(const world::ObjectModel& model) {
   const auto place =
       std::find_if(models_.begin(), models_.end(),
                    [&](const perception::RecognitionModel& m) { return m.name > model.name; });
   models_.insert(place, perception::TrainModel(model));
+}
+
+void SceneUnderstanding::Learn(const world::ObjectModel& model) {
+  InsertModel(model);
   for (ObjectBelief& object : belief_.objects) {
     if (object.state != ObjectState::kUnknown) continue;
     object.state = ObjectState::kCandidate;
     object.reason = fmt::format("may be '{}', which is known since", model.name);
   }
+}
+
+void SceneUnderstanding::LearnModelled(int id, const world::ObjectModel& model, const Pose& X_WM) {
+  InsertModel(model);
+  ObjectBelief& object = belief_.objects[id];
+  PoseHypothesis hypothesis;
+  hypothesis.model = model.name;
+  hypothesis.X_WM = X_WM;
+  object.hypotheses.push_back(std::move(hypothesis));
+  Verification().Complete(&object);
+  Conclude(&object);
+  if (config_.known_in_map) map_.PlaceVerified(belief_.objects, models_);
+}
+
+void SceneUnderstanding::Note(int id, const std::string& text) {
+  ObjectBelief& object = belief_.objects[id];
+  object.history += (object.history.empty() ? "" : "; ") + text;
+  object.reason += "; " + text;
 }
 
 std::string SceneUnderstanding::Add(const Capture& capture) {
@@ -203,6 +240,7 @@ std::string SceneUnderstanding::Contradiction(const Capture& capture, const Pose
 /// holds (MultiViewVerification::Complete()).
 std::vector<world::Detection> SceneUnderstanding::Recognise(const perception::View& view,
                                                             const Pose& X_WC, Associated* things) {
+  if (!not_recognised_.empty()) LeaveUnrecognised(not_recognised_, things);
   const auto first_explained = things->clusters.begin() + things->open;
   const std::vector<world::Cluster> open(things->clusters.begin(), first_explained);
   perception::Regrouped found = perception::RecogniseRegrouping(

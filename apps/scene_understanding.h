@@ -1,6 +1,8 @@
 #pragma once
 
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/capture.h"
@@ -48,6 +50,17 @@ class SceneUnderstanding {
   /// @pre none of its name is known.
   void Learn(const world::ObjectModel& model);
 
+  /// Object `id` has been modelled where it stands, at X_WM, and is `model`: it is known from now
+  /// on, and every view so far is asked whether it is that.
+  /// @pre none of its name is known.
+  void LearnModelled(int id, const world::ObjectModel& model, const Pose& X_WM);
+
+  /// The next views do not ask what these objects are; that they are there they show all the same.
+  void DoNotRecognise(std::set<int> objects) { not_recognised_ = std::move(objects); }
+
+  /// Appends `text` to the reason of object `id`, for good.
+  void Note(int id, const std::string& text);
+
   /// Asks `classifier`, which must outlive this, what each thing looks like, from the next view on.
   void KnowClassifier(const perception::Classifier& classifier) { classifier_ = &classifier; }
 
@@ -66,6 +79,7 @@ class SceneUnderstanding {
     Eigen::Vector3d center_W;
   };
 
+  void InsertModel(const world::ObjectModel& model);
   std::vector<int> Gone(const Capture& capture, const Pose& X_WC) const;
   void Unlearn(int view, world::ObjectBelief* object);
   std::string Contradiction(const Capture& capture, const Pose& X_WC,
@@ -86,6 +100,7 @@ class SceneUnderstanding {
   SceneMap map_;
   SupportPlanes planes_;
   std::vector<GoneThing> gone_;          // and not found again
+  std::set<int> not_recognised_;         // objects, as they are being modelled
   std::vector<perception::View> views_;  // as recognition looks at belief_.views
   world::SceneBelief belief_;
   perception::PoseCovariance covariance_{perception::PoseCovariance::Zero()};

@@ -334,7 +334,14 @@ int RunCheck(const CheckOptions& options) {
     return options.config;
   });
   if (!readable) return list.Status();
-  const std::optional<world::ObjectDatabase> database = CheckModels(config.models, &list);
+  std::optional<world::ObjectDatabase> database = CheckModels(config.models, &list);
+  if (database && !config.learned.empty()) {
+    list.Check("learned", [&] {
+      const std::size_t given = database->models().size();
+      database = LoadDatabase(config);
+      return fmt::format("{}: {} of them", config.learned, database->models().size() - given);
+    });
+  }
   if (database) {
     list.Check("task", [&] {
       RequireKnownClasses(config.task, *database);

@@ -39,6 +39,8 @@ constexpr Experiment kExperiments[] = {
     {"search", RunSearchExperiment, 200, 0},
     {"sensors", RunSensorsExperiment, 25, 0},
     {"modelling", RunModellingExperiment, 50, 0},
+    {"exploration", RunExplorationExperiment, 100, 0},
+    {"reuse", RunReuseExperiment, 20, 12},
     {"faults", RunFaultsExperiment, 300, 0},
 };
 

@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 
 #include "apps/commands/commands.h"
+#include "apps/model_picture.h"
 #include "lib/common/error.h"
+#include "lib/common/files.h"
 #include "lib/perception/training_file.h"
 #include "lib/world/object_database.h"
 
@@ -19,6 +21,7 @@ struct ModelOptions {
   std::string unit;
   std::string name;
   std::string models;
+  std::string pictures;
   std::vector<std::string> symmetries;
 };
 
@@ -54,13 +57,18 @@ std::string MadeBy(const world::ObjectModel& model) {
                      100.0 * made.coverage, world::DateOf(made));
 }
 
-void List(const std::string& folder) {
+/// Lists `folder` and, unless it is "", leaves a picture of each model in `pictures`.
+void List(const std::string& folder, const std::string& pictures) {
+  if (!pictures.empty()) MakeWritableFolder(pictures);
   const auto database = world::ObjectDatabase::Load(folder);
   fmt::print("{:24} {:>22} {:>10}  {:16}  {}\n", "model", "size [m]", "triangles", "hash", "made");
   for (const world::ObjectModel& model : database.models()) {
     const Eigen::Vector3d size = geometry::Bounds(model.mesh).sizes();
     fmt::print("{:24} {:6.3f} x {:5.3f} x {:5.3f} {:10}  {:016x}  {}\n", model.name, size.x(),
                size.y(), size.z(), model.mesh.triangles.size(), model.hash, MadeBy(model));
+    if (pictures.empty()) continue;
+    SaveModelPicture(world::ReadFullMesh(model.folder),
+                     std::filesystem::path(pictures) / (model.name + ".png"));
   }
 }
 
@@ -86,7 +94,8 @@ void AddModel(CLI::App* app, int*) {
 
   CLI::App* list = model->add_subcommand("list", "Lists a model folder");
   list->add_option("--models", options->models, "Model folder")->required();
-  list->callback([options] { List(options->models); });
+  list->add_option("--pictures", options->pictures, "Folder for a picture of each");
+  list->callback([options] { List(options->models, options->pictures); });
 
   CLI::App* remove = model->add_subcommand("remove", "Removes a model from a model folder");
   remove->add_option("--name", options->name, "Name of the model")->required();

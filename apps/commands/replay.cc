@@ -2,7 +2,9 @@
 #include <ctime>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -62,6 +64,20 @@ std::map<std::string, std::uint64_t> NewModels(const hal::Recording& recording) 
     }
   }
   return models;
+}
+
+/// The models that lie on disk now, without those that missions have made since the recording: they
+/// are made anew, in the same way.
+world::ObjectDatabase OnDisk(const hal::Recording& recording, const RunConfig& config) {
+  std::set<std::string> recorded;
+  for (const second_look::rec_model_t& model : recording.start.models) recorded.insert(model.name);
+  const auto given = world::ObjectDatabase::Load(config.models);
+  const world::ObjectDatabase all = LoadDatabase(config);
+  std::vector<world::ObjectModel> models;
+  for (const world::ObjectModel& model : all.models()) {
+    if (given.Find(model.name) != nullptr || recorded.contains(model.name)) models.push_back(model);
+  }
+  return world::ObjectDatabase(std::move(models));
 }
 
 /// What the recorded mission began with, of what lies on disk now.
@@ -125,6 +141,10 @@ class Replayed {
     if (recording.robot.arm) mission_.KnowArm(recording.robot.arm->hand);
     if (config.safety.limits.workspace) mission_.KeepWithin(*config.safety.limits.workspace);
     if (classifier_) mission_.KnowClassifier(*classifier_);
+    mission_.LetKeep([this](const world::ScannedModel& model) {
+      database_.Add(AsModel(model));
+      return "";
+    });
     if (follow) mission_.LetChoose(FollowLooks(recording, &check_));
   }
 
@@ -219,7 +239,7 @@ int Replay(const ReplayOptions& options) {
       ParseRunConfig(recording.start.config, options.log + " (its configuration)");
   if (!options.report.empty()) MakeWritableFolder(options.report);
   const ThreadLimit threads(config.threads);
-  const auto database = world::ObjectDatabase::Load(config.models);
+  const world::ObjectDatabase database = OnDisk(recording, config);
   RequireKnownClasses(config.task, database);
   WarnOfWhatDiffers(recording, database);
   Replayed replayed(recording, config, database, options.follow);

@@ -109,6 +109,17 @@ void PassOnModels(ModelWatch* watch, MissionLog* log, world::ObjectDatabase* dat
   }
 }
 
+/// Adds a model that the mission has made to `database` and, unless it is "", to `folder`. Returns
+/// why it could not be stored there.
+std::string Keep(const world::ScannedModel& model, const std::string& folder,
+                 world::ObjectDatabase* database) try {
+  database->Add(AsModel(model));
+  if (!folder.empty()) world::StoreModel(model, folder);
+  return "";
+} catch (const ConfigError& error) {
+  return error.what();
+}
+
 int Run(const RunOptions& options) {
   CatchStopSignals();
   const RunConfig config = LoadRunConfig(options.config, options.overrides);
@@ -121,7 +132,7 @@ int Run(const RunOptions& options) {
   Story story;
   if (!options.report.empty()) sinks.push_back(&story);
   const ThreadLimit threads(config.threads);
-  auto database = world::ObjectDatabase::Load(config.models);
+  auto database = LoadDatabase(config);
   ModelWatch watch(config.models, database);
   RequireKnownClasses(config.task, database);
   const auto classifier = LoadMissionClassifier(config.classifier, database);
@@ -151,6 +162,8 @@ int Run(const RunOptions& options) {
     mission.LetConfirm([&](const world::Look&) { executive.WaitForConfirmation(); });
   }
   if (classifier) mission.KnowClassifier(*classifier);
+  mission.LetKeep(
+      [&](const world::ScannedModel& model) { return Keep(model, config.learned, &database); });
   const second_look::mission_t start = DescribeStart(config, database, robot.clock->Now());
   publisher.Mission(start);
   Progress progress = Progress::kMore;

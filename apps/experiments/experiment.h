@@ -132,5 +132,13 @@ void RunPpfPeersExperiment(const ExperimentOptions& options);
 /// 2013. A trial is an object by itself on a table, of the known and the unfamiliar ones in turn.
 /// @throws ConfigError for a folder of models that cannot be read.
 void RunModellingExperiment(const ExperimentOptions& options);
+/// Whole missions on a table with six things of which three are in the database and the others are
+/// to be modelled (Kriegel 2013, IV-D), by several ways to choose scans. A trial is a table.
+/// @throws ConfigError for a folder of models that cannot be read, or without unfamiliar objects.
+void RunExplorationExperiment(const ExperimentOptions& options);
+/// Models made by such missions, recognised on other tables in single views of the depth camera. A
+/// trial is a mission and the views that follow.
+/// @throws ConfigError likewise.
+void RunReuseExperiment(const ExperimentOptions& options);
 
 }  // namespace secondlook::apps

@@ -130,15 +130,18 @@ sim::Scene DrawScene(const Repertoire& repertoire, Rng* rng) {
     if (Place(scene.table, &taken, &object, rng)) scene.objects.push_back(std::move(object));
   }
 
-  const double side = rng->Uniform(-kPi, kPi);
-  const double distance = rng->Uniform(1.5, 2.2);
-  scene.robot.position = {distance * std::cos(side), distance * std::sin(side)};
-  scene.robot.yaw_deg =
-      (WrapAngle(side + kPi) + rng->Uniform(-15.0, 15.0) * kPi / 180.0) * 180.0 / kPi;
-
+  PlaceRobot(&scene, rng);
   const int crates = rng->Index(3);
   for (int i = 0; i < crates; ++i) AddCrate(fmt::format("crate {}", i + 1), &scene, rng);
   return scene;
+}
+
+void PlaceRobot(sim::Scene* scene, Rng* rng) {
+  const double side = rng->Uniform(-kPi, kPi);
+  const double distance = rng->Uniform(1.5, 2.2);
+  scene->robot.position = {distance * std::cos(side), distance * std::sin(side)};
+  scene->robot.yaw_deg =
+      (WrapAngle(side + kPi) + rng->Uniform(-15.0, 15.0) * kPi / 180.0) * 180.0 / kPi;
 }
 
 void AddCrate(const std::string& name, sim::Scene* scene, Rng* rng) {

@@ -25,6 +25,10 @@ Repertoire LoadRepertoire(const std::string& models, const std::string& unfamili
 /// it within 15 degrees. Depends on `rng` alone.
 sim::Scene DrawScene(const Repertoire& repertoire, Rng* rng);
 
+/// Puts the robot's start 1.5 to 2.2 m from the table's centre on any side, facing it within 15
+/// degrees.
+void PlaceRobot(sim::Scene* scene, Rng* rng);
+
 /// Puts a crate of random size on the floor, 1.1 to 2.2 m from the table's centre; none where the
 /// robot has its start.
 void AddCrate(const std::string& name, sim::Scene* scene, Rng* rng);

@@ -11,6 +11,8 @@ using Eigen::Vector3d;
 
 /// A surface that still opens where it ends is thought to have reached its widest place there.
 constexpr double kMinCosine = 0.0;
+/// What faces the support so much, nobody above it sees at a useful incidence.
+constexpr double kDown = -0.7;
 /// The direction of a jagged border is that between so many vertices before and behind.
 constexpr int kStretch = 3;
 
@@ -42,6 +44,8 @@ Coverage EstimateCoverage(const world::PartialMesh& surface, const world::Suppor
       const double area = 0.5 * (a - middle).cross(b - middle).norm();
       coverage.holes += area;
       if (std::max(plane_W.HeightOf(a), plane_W.HeightOf(b)) < footing) continue;
+      const Vector3d facing = (a - b).cross(middle - b).normalized();
+      if (facing.dot(plane_W.normal_A) < kDown) continue;
       const Vector3d along = (at(i + 1 + kStretch) - at(i - kStretch)).normalized();
       const Vector3d outward = along.cross(surface.normals[loop[i]].cast<double>()).normalized();
       Vector3d inward = middle - 0.5 * (a + b);
@@ -53,34 +57,38 @@ Coverage EstimateCoverage(const world::PartialMesh& surface, const world::Suppor
   return coverage;
 }
 
-world::PartialMesh Above(const world::PartialMesh& surface, const world::SupportPlane& plane_W,
-                         double height) {
-  world::PartialMesh above;
-  above.mesh.materials = surface.mesh.materials;
+world::PartialMesh Part(const world::PartialMesh& surface, const std::vector<char>& kept) {
+  world::PartialMesh part;
+  part.mesh.materials = surface.mesh.materials;
   const bool colored = !surface.mesh.vertex_colors.empty();
-  std::vector<char> high(surface.mesh.vertices.size(), 0);
-  for (std::size_t i = 0; i < high.size(); ++i) {
-    high[i] = plane_W.HeightOf(surface.mesh.vertices[i].cast<double>()) > height ? 1 : 0;
-  }
-  std::vector<int> index(high.size(), -1);
+  std::vector<int> index(kept.size(), -1);
   for (const Eigen::Vector3i& t : surface.mesh.triangles) {
-    if (high[t[0]] == 0 || high[t[1]] == 0 || high[t[2]] == 0) continue;
+    if (kept[t[0]] == 0 || kept[t[1]] == 0 || kept[t[2]] == 0) continue;
     Eigen::Vector3i triangle;
     for (int k = 0; k < 3; ++k) {
       int& i = index[t[k]];
       if (i < 0) {
-        i = static_cast<int>(above.mesh.vertices.size());
-        above.mesh.vertices.push_back(surface.mesh.vertices[t[k]]);
-        above.normals.push_back(surface.normals[t[k]]);
-        above.density.push_back(surface.density[t[k]]);
-        if (colored) above.mesh.vertex_colors.push_back(surface.mesh.vertex_colors[t[k]]);
+        i = static_cast<int>(part.mesh.vertices.size());
+        part.mesh.vertices.push_back(surface.mesh.vertices[t[k]]);
+        part.normals.push_back(surface.normals[t[k]]);
+        part.density.push_back(surface.density[t[k]]);
+        if (colored) part.mesh.vertex_colors.push_back(surface.mesh.vertex_colors[t[k]]);
       }
       triangle[k] = i;
     }
-    above.mesh.triangles.push_back(triangle);
+    part.mesh.triangles.push_back(triangle);
   }
-  above.mesh.triangle_material.assign(above.mesh.triangles.size(), 0);
-  return above;
+  part.mesh.triangle_material.assign(part.mesh.triangles.size(), 0);
+  return part;
+}
+
+world::PartialMesh Above(const world::PartialMesh& surface, const world::SupportPlane& plane_W,
+                         double height) {
+  std::vector<char> high(surface.mesh.vertices.size(), 0);
+  for (std::size_t i = 0; i < high.size(); ++i) {
+    high[i] = plane_W.HeightOf(surface.mesh.vertices[i].cast<double>()) > height ? 1 : 0;
+  }
+  return Part(surface, high);
 }
 
 }  // namespace secondlook::perception

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "lib/world/support_plane.h"
 #include "lib/world/surface_volume.h"
 
@@ -25,6 +27,10 @@ struct Coverage {
 /// @pre plane_W is in the frame of `surface`.
 Coverage EstimateCoverage(const world::PartialMesh& surface, const world::SupportPlane& plane_W,
                           double footing);
+
+/// The part of `surface` whose triangles have only vertices that are `kept`: 1, not 0, one a
+/// vertex.
+world::PartialMesh Part(const world::PartialMesh& surface, const std::vector<char>& kept);
 
 /// The part of `surface` whose triangles lie wholly above `height` [m] over the support.
 world::PartialMesh Above(const world::PartialMesh& surface, const world::SupportPlane& plane_W,

@@ -14,8 +14,11 @@ std::string Explain(const world::Look& look) {
       look.way == world::LookWay::kArm
           ? fmt::format("{:.1f} s by the arm", look.seconds)
           : fmt::format("{:.1f} s and {:.2f} m to drive", look.seconds, look.metres);
-  return fmt::format("sees {:.0f} % of the rays to the box; gain {:.3g}; {}; score {:.3g}",
-                     100.0 * look.visibility, look.gain, way, look.score);
+  const char* what = look.kind == "scan" ? "adds {:.0f} % to the surface that is seen"
+                                         : "sees {:.0f} % of the rays to the box";
+  return fmt::format("{}; gain {:.3g}; {}; score {:.3g}",
+                     fmt::format(fmt::runtime(what), 100.0 * look.visibility), look.gain, way,
+                     look.score);
 }
 
 }  // namespace

@@ -42,8 +42,9 @@ class BadInput : public ::testing::Test {
 
 TEST_F(BadInput, NamesAnUnknownKeyWithItsPlace) {
   const ProgramResult result = RunWithConfig("models: models\nmission:\n  lookz: {}\n");
-  Expect(result, 2,
-         "config.yaml:3:3: unknown key 'mission.lookz'; known here: understanding, looks");
+  Expect(
+      result, 2,
+      "config.yaml:3:3: unknown key 'mission.lookz'; known here: understanding, looks, modelling");
 }
 
 TEST_F(BadInput, NamesAWrongTypeWithItsPlace) {

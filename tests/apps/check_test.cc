@@ -42,6 +42,17 @@ TEST_F(Check, SaysOfEachThingThatItIsWell) {
   EXPECT_THAT(result.out, ContainsRegex("ok +base +'base': at \\("));
 }
 
+TEST_F(Check, CountsTheModelsThatMissionsHaveMade) {
+  const std::string learned = (world_ / "learned").string();
+  EXPECT_THAT(Run({"learned=" + learned}).out, ContainsRegex("ok +learned +.*: 0 of them"));
+  geometry::SaveObj(geometry::MakeBox({0.1, 0.1, 0.1}, {0.1, 0.8, 0.1}), world_ / "made");
+  world::AddModel(world_ / "made" / "mesh.obj", geometry::LengthUnit::kMetre, "block", learned);
+  const ProgramResult twice = Run({"learned=" + learned});
+  EXPECT_EQ(twice.status, 2) << twice.out;
+  EXPECT_THAT(twice.out, HasSubstr("'block' is a model in both " + world_.models().string() +
+                                   " (models) and " + learned + " (learned): remove one"));
+}
+
 TEST_F(Check, NamesTheArmAndTheCameraInItsHand) {
   const std::string arm = "robot.arm={urdf: sim/robots/arm.urdf";
   const ProgramResult result = Run({arm + "}"});

@@ -23,7 +23,7 @@ class SimulatedMission {
                             const std::string& config = "config/sim.yaml")
       : config_(LoadRunConfig(config, overrides)),
         threads_(config_.threads),
-        database_(world::ObjectDatabase::Load(config_.models)),
+        database_(LoadDatabase(config_)),
         ready_(MakeRobot(config_.robot, config_.seed)),
         publisher_(std::move(sinks)),
         mission_(

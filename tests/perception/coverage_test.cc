@@ -30,6 +30,19 @@ TEST(Coverage, WhatItStandsOnIsNoLack) {
   EXPECT_EQ(standing.Reachable(), 1.0);
 }
 
+TEST(Coverage, WhatFacesTheSupportIsNoLack) {
+  // A dome over a foot that it hides: its rim is high, but what is below it faces down.
+  const auto dome = [](const Eigen::Vector3f& p) { return p.z() > -1e-6F; };
+  const world::PartialMesh half = tests::PartOfBall(kRadius, 100, dome);
+  const Coverage over = EstimateCoverage(half, tests::LevelPlane(-0.03), 0.005);
+  EXPECT_NEAR(over.Estimated(), 2.0 / 3.0, 0.01);
+  EXPECT_EQ(over.Reachable(), 1.0);
+  // A bowl's inside, in turn, is seen from above.
+  const auto bowl = [](const Eigen::Vector3f& p) { return p.z() < 1e-6F; };
+  const world::PartialMesh open = tests::PartOfBall(kRadius, 100, bowl);
+  EXPECT_LT(EstimateCoverage(open, tests::LevelPlane(-0.051), 0.005).Reachable(), 0.6);
+}
+
 TEST(Coverage, OfAClosedSurfaceIsWholeAndOfNoneIsNothing) {
   const auto all = [](const Eigen::Vector3f&) { return true; };
   const Coverage whole =
