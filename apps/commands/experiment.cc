@@ -37,6 +37,7 @@ constexpr Experiment kExperiments[] = {
     {"moving-obstacles", RunMovingObstaclesExperiment, 200, 0},
     {"recognised-objects", RunRecognisedObjectsExperiment, 200, 0},
     {"search", RunSearchExperiment, 200, 0},
+    {"one-budget", RunOneBudgetExperiment, 100, 0},
     {"sensors", RunSensorsExperiment, 25, 0},
     {"modelling", RunModellingExperiment, 50, 0},
     {"exploration", RunExplorationExperiment, 100, 0},

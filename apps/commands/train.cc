@@ -13,8 +13,8 @@
 #include "apps/commands/commands.h"
 #include "lib/common/error.h"
 #include "lib/common/files.h"
-#include "lib/perception/appearance/backbone.h"
 #include "lib/perception/appearance/feature_classifier.h"
+#include "lib/perception/appearance/network_classifier.h"
 
 namespace secondlook::apps {
 namespace {
@@ -24,8 +24,14 @@ using perception::FeatureClassifier;
 using perception::FeatureClassifierKind;
 using perception::TrainingSet;
 
-constexpr const char* kBackboneScript = "tools/train_backbone/run";
-constexpr int kBackboneInput_px = 128;
+constexpr const char* kNetworkScript = "tools/train_network/run";
+constexpr int kNetworkInput_px = 128;
+
+/// Those that are learnt here; all others are networks.
+const std::map<std::string, FeatureClassifierKind> kFeatureKinds{
+    {"svm", FeatureClassifierKind::kSvm},
+    {"svm2021", FeatureClassifierKind::kSvm2021},
+    {"forest", FeatureClassifierKind::kForest}};
 
 struct TrainOptions {
   std::string images;
@@ -33,7 +39,7 @@ struct TrainOptions {
   std::string out;
   std::string background;
   perception::FeatureTrainingConfig features;
-  int backbone_copies = 11;
+  int copies = 11;
 };
 
 void Say(const std::string& line) { spdlog::info("{}", line); }
@@ -52,9 +58,9 @@ int BackgroundLabel(const TrainingSet& set, const std::string& background) {
 }
 
 /// The network is trained by a program of its own, which gets the list of the images.
-void TrainBackbone(const TrainingSet& set, const TrainOptions& options) {
-  if (!fs::exists(kBackboneScript)) {
-    Throw<ConfigError>("{}: not found; start from the root of the repository", kBackboneScript);
+void TrainNetwork(const TrainingSet& set, const TrainOptions& options) {
+  if (!fs::exists(kNetworkScript)) {
+    Throw<ConfigError>("{}: not found; start from the root of the repository", kNetworkScript);
   }
   const fs::path onnx = fs::path(options.out).replace_extension(".onnx");
   const fs::path list = fs::path(options.out).replace_extension(".list");
@@ -65,39 +71,35 @@ void TrainBackbone(const TrainingSet& set, const TrainOptions& options) {
   }
   WriteFile(list, lines);
   const std::string command = fmt::format(
-      "{} --list {} --out {} --result {} --background-class {} --copies {} --seed {}",
-      kBackboneScript, Quoted(list.string()), Quoted(onnx.string()), Quoted(result.string()),
-      BackgroundLabel(set, options.background), options.backbone_copies, options.features.seed);
+      "{} --network {} --list {} --out {} --result {} --background-class {} --copies {} --seed {}",
+      kNetworkScript, options.classifier, Quoted(list.string()), Quoted(onnx.string()),
+      Quoted(result.string()), BackgroundLabel(set, options.background), options.copies,
+      options.features.seed);
   const int status = std::system(command.c_str());
   fs::remove(list);
   if (status != 0) {
     Throw<ConfigError>(
         "{} failed; it needs python3 with venv and the packages in "
-        "tools/train_backbone/requirements.txt",
-        kBackboneScript);
+        "tools/train_network/requirements.txt",
+        kNetworkScript);
   }
   const nlohmann::json found = nlohmann::json::parse(ReadFile(result));
   fs::remove(result);
-  perception::WriteBackboneFile(
-      options.out,
-      {"backbone", set.classes, set.hash, static_cast<int>(set.images.size()),
-       found.at("held_out_accuracy")},
-      onnx, kBackboneInput_px);
+  perception::WriteNetworkFile(options.out,
+                               {options.classifier, set.classes, set.hash,
+                                static_cast<int>(set.images.size()), found.at("held_out_accuracy")},
+                               onnx, kNetworkInput_px);
 }
 
 void Train(const TrainOptions& options) {
-  const std::map<std::string, FeatureClassifierKind> kinds{
-      {"svm", FeatureClassifierKind::kSvm},
-      {"svm2021", FeatureClassifierKind::kSvm2021},
-      {"forest", FeatureClassifierKind::kForest}};
   const TrainingSet set = perception::ReadTrainingSet(options.images);
   for (const std::string& reason : set.left_out) spdlog::warn("left out: {}", reason);
   Say(fmt::format("{} images of {} classes", set.images.size(), set.classes.size()));
-  if (options.classifier == "backbone") {
-    TrainBackbone(set, options);
+  const auto features = kFeatureKinds.find(options.classifier);
+  if (features == kFeatureKinds.end()) {
+    TrainNetwork(set, options);
   } else {
-    FeatureClassifier::Train(kinds.at(options.classifier), set, options.features, Say)
-        ->Save(options.out);
+    FeatureClassifier::Train(features->second, set, options.features, Say)->Save(options.out);
   }
   const perception::ClassifierHeader header = perception::ReadClassifierHeader(options.out);
   fmt::print("{}: {}, {} classes, {} images ({}), {:.3f} of those kept out right\n", options.out,
@@ -116,12 +118,12 @@ void AddTrain(CLI::App* app, int*) {
       ->required();
   train->add_option("--classifier", options->classifier, "Which kind")
       ->required()
-      ->check(CLI::IsMember({"svm", "svm2021", "forest", "backbone"}));
-  train->add_option("--out", options->out, "Model file; a backbone's network goes beside it")
+      ->check(CLI::IsMember({"svm", "svm2021", "forest", "cnn1", "cnn2", "cnn3", "backbone"}));
+  train->add_option("--out", options->out, "Model file; a network's ONNX file goes beside it")
       ->required();
   train->add_option("--background", options->background, "The class that shows no object, if any");
   train->add_option("--folds", options->features.folds, "Of the cross-validation");
-  train->add_option("--copies", options->backbone_copies, "Of each image, for a backbone")
+  train->add_option("--copies", options->copies, "Of each image, for a network")
       ->check(CLI::Range(1, 1000));
   train->add_option("--seed", options->features.seed, "Of everything that is drawn");
   train->callback([options] { Train(*options); });

@@ -19,6 +19,7 @@
 #include "lib/common/error.h"
 #include "lib/common/rng.h"
 #include "lib/fusion/decision_fusion.h"
+#include "lib/fusion/dempster_shafer.h"
 #include "lib/perception/appearance/feature_classifier.h"
 
 namespace secondlook::apps {
@@ -218,13 +219,21 @@ ConfusionMatrix Sum(const std::vector<ConfusionMatrix>& matrices, const std::vec
   return sum;
 }
 
-/// m(empty) of pairs of views: of the same thing, and of things of different classes.
+/// How far two views disagree.
+using Disagreement = double (*)(const world::MassFunction& a, const world::MassFunction& b);
+
+double MassOfConflict(const world::MassFunction& a, const world::MassFunction& b) {
+  return fusion::Combine(a, b).conflict;
+}
+
+/// Of pairs of views: of the same thing, and of things of different classes.
 struct Conflicts {
   std::vector<double> right;
   std::vector<double> wrong;
 };
 
-Conflicts DrawConflicts(const std::vector<Scene>& scenes, const Classes& classes) {
+Conflicts DrawConflicts(const std::vector<Scene>& scenes, const Classes& classes,
+                        Disagreement disagreement) {
   constexpr int kDraws = 1000;
   struct View {
     int label;
@@ -246,17 +255,14 @@ Conflicts DrawConflicts(const std::vector<Scene>& scenes, const Classes& classes
       pairs.push_back({{label(head), DecisionOf(head, classes)}, DecisionOf(hand, classes)});
     }
   }
-  const auto conflict = [](const ViewDecision& a, const ViewDecision& b) {
-    return FuseDecisions(FusionRule::kTransferableBelief, {a, b}).masses.conflict;
-  };
   Conflicts conflicts;
   Rng rng(1);
   while (!pairs.empty() && std::ssize(conflicts.wrong) < kDraws) {
     const auto& [head, hand] = pairs[static_cast<std::size_t>(rng.Index(std::ssize(pairs)))];
     const View& other = hands[static_cast<std::size_t>(rng.Index(std::ssize(hands)))];
     if (other.label == head.label) continue;
-    conflicts.right.push_back(conflict(head.decision, hand));
-    conflicts.wrong.push_back(conflict(head.decision, other.decision));
+    conflicts.right.push_back(disagreement(head.decision.masses, hand.masses));
+    conflicts.wrong.push_back(disagreement(head.decision.masses, other.decision.masses));
   }
   return conflicts;
 }
@@ -274,7 +280,8 @@ class Summary {
   std::vector<Row> Rows() {
     for (std::size_t i = 0; i < kConditions.size(); ++i) AddCondition(i);
     AddMatches();
-    AddConflicts();
+    AddConflicts("m(empty)", MassOfConflict);
+    AddConflicts("m(empty) of what both views commit to", fusion::CommittedConflict);
     return rows_;
   }
 
@@ -366,8 +373,8 @@ class Summary {
     }
   }
 
-  void AddConflicts() {
-    const Conflicts conflicts = DrawConflicts(scenes_.front(), classes_);
+  void AddConflicts(const std::string& by, Disagreement disagreement) {
+    const Conflicts conflicts = DrawConflicts(scenes_.front(), classes_, disagreement);
     if (conflicts.right.empty()) return;
     std::vector<double> right = conflicts.right;
     std::sort(right.begin(), right.end());
@@ -375,10 +382,10 @@ class Summary {
     const auto flagged = std::count_if(conflicts.wrong.begin(), conflicts.wrong.end(),
                                        [&](double conflict) { return conflict > threshold; });
     rows_.push_back(
-        {"injected wrong matches flagged by m(empty) at 5 % false alarms",
+        {fmt::format("injected wrong matches flagged by {} at 5 % false alarms", by),
          Proportion(static_cast<int>(flagged), static_cast<int>(conflicts.wrong.size()))});
     rows_.push_back(
-        {"injected wrong matches by m(empty): area under the ROC curve",
+        {fmt::format("injected wrong matches by {}: area under the ROC curve", by),
          Bootstrapped(static_cast<int>(right.size()), [&](const std::vector<int>& drawn) {
            std::vector<double> wrong;
            for (const int i : drawn) {

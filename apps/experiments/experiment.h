@@ -124,6 +124,11 @@ void RunMovingObstaclesExperiment(const ExperimentOptions& options);
 void RunRecognisedObjectsExperiment(const ExperimentOptions& options);
 /// … with looks chosen by the expected drop of the task's loss, and by McGreavy 2016.
 void RunSearchExperiment(const ExperimentOptions& options);
+/// Missions that can look with head and hand, at things with twins and things behind others: looks
+/// in one common currency, and the papers' planners in a fixed order. Without `options.classifier`
+/// things are known by shape alone.
+/// @throws ConfigError when the models do not have the twins, too.
+void RunOneBudgetExperiment(const ExperimentOptions& options);
 /// One thing on a crowded table, of ten models, from its cluster alone. A trial is a table; the
 /// baseline is OpenCV's PPF3DDetector with its ICP on the same cluster.
 /// @throws ConfigError for a folder of models that cannot be read.

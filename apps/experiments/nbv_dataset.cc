@@ -246,6 +246,7 @@ void RunNbvDatasetExperiment(const ExperimentOptions& given) {
   const std::vector<SetFiles> sets = FindSets(given.data);
   const ObjectClassifier classifier(given.classifier);
   for (const SetFiles& set : sets) classifier.LabelOf(set);
+  if (!given.report.empty()) fs::create_directories(given.report);
   ExperimentOptions options = given;
   options.trials = std::min(given.trials, static_cast<int>(sets.size()));
   options.models = given.classifier;  // what a result is resumed by
@@ -257,7 +258,8 @@ void RunNbvDatasetExperiment(const ExperimentOptions& given) {
         for (const Json& json : trials) {
           done.push_back(ParseTrial(json, classifier.shared().classes));
         }
-        return SummariseNbv(done, classifier.shared());
+        return SummariseNbv(done, classifier.shared(),
+                            std::ssize(trials) == options.trials ? options.report : "");
       });
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include <Eigen/Dense>
 
 #include "apps/experiments/nbv_distortion.h"
+#include "apps/experiments/plot.h"
 #include "lib/common/rng.h"
 #include "lib/fusion/decision_fusion.h"
 #include "lib/planning/tile_vote.h"
@@ -34,10 +37,11 @@ static_assert(kCriterionNames.size() == planning::kCriteria);
 
 /// What is decided of an object.
 struct Decision {
-  int said{};           ///< Index of the class.
-  double confidence{};  ///< Its probability.
-  double of_truth{};    ///< The true class's probability.
-  double ratio{};       ///< The largest probability over the second.
+  int said{};                         ///< Index of the class.
+  double confidence{};                ///< Its probability.
+  double of_truth{};                  ///< The true class's probability.
+  double ratio{};                     ///< The largest probability over the second.
+  std::vector<double> probabilities;  ///< By class; empty in total conflict.
 };
 
 struct Decided {
@@ -150,10 +154,12 @@ class Analysis {
 
   Decision DecisionOf(const std::map<std::string, double>& p, int truth) const {
     const std::string said = fusion::MostProbable(p);
-    if (said.empty()) return {-1, 0.0, 0.0, 0.0};  // total conflict
+    if (said.empty()) return {-1, 0.0, 0.0, 0.0, {}};  // total conflict
     const auto& classes = classifier_.classes;
+    std::vector<double> by_class;
+    for (const std::string& c : classes) by_class.push_back(p.contains(c) ? p.at(c) : 0.0);
     return {static_cast<int>(std::find(classes.begin(), classes.end(), said) - classes.begin()),
-            p.at(said), p.at(classes[truth]), fusion::ConfidenceRatio(p)};
+            p.at(said), p.at(classes[truth]), fusion::ConfidenceRatio(p), by_class};
   }
 
   Decided Decide(FusionRule rule, const NbvSet& set, const NbvCase& one) const {
@@ -207,10 +213,9 @@ Eigen::MatrixXd Features(const NbvCase& one) {
 }
 
 /// Ridge regression from features to how much more probable than from the other sides the true
-/// class becomes, learnt from the sets for which `learn` holds.
+/// class becomes on average, learnt from the sets for which `learn` holds.
 Eigen::VectorXd LearnGain(const Analysis& analysis, const std::function<bool(int)>& learn) {
   constexpr double kRidge = 100.0;  // cases
-  constexpr double kLeast = 1e-3;   // probability; below it all are as bad
   Eigen::MatrixXd products = kRidge * Eigen::MatrixXd::Identity(kFeatures, kFeatures);
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(kFeatures);
   for (int i = 0; i < analysis.set_count(); ++i) {
@@ -219,7 +224,7 @@ Eigen::VectorXd LearnGain(const Analysis& analysis, const std::function<bool(int
       const Decided& decided = analysis.Of(FusionRule::kNaiveBayes, i, k);
       Eigen::VectorXd gain(kSideCount);
       for (std::size_t s = 0; s < kSideCount; ++s) {
-        gain[s] = std::log(std::max(decided.with[s].of_truth, kLeast));
+        gain[s] = decided.with[s].of_truth;
       }
       gain.array() -= gain.mean();
       const Eigen::MatrixXd features = Features(analysis.sets()[i].cases[k]);
@@ -357,6 +362,65 @@ Macro MacroOf(const std::vector<Tally>& tallies, const std::vector<NbvSet>& sets
   return {macro.precision / occurring, macro.recall / occurring, macro.f1 / occurring};
 }
 
+/// The probabilities of true and of other classes, by their log odds: of a set.
+struct RocTally {
+  static constexpr int kBins = 400;
+  std::vector<double> positive = std::vector<double>(kBins, 0.0);
+  std::vector<double> negative = std::vector<double>(kBins, 0.0);
+
+  void Add(double probability, bool true_class, double weight) {
+    constexpr double kMaxLogOdds = 20.0;
+    const double p = std::clamp(probability, 1e-12, 1.0 - 1e-12);
+    const double share = 0.5 + 0.5 * std::log(p / (1.0 - p)) / kMaxLogOdds;
+    const int bin = std::clamp(static_cast<int>(share * kBins), 0, kBins - 1);
+    (true_class ? positive : negative)[bin] += weight;
+  }
+};
+
+/// Every class of every decision is one that is told or not (micro-averaging).
+std::vector<RocTally> RocTallies(const Analysis& analysis, const Chooser& chooser, double gate) {
+  std::vector<RocTally> tallies(analysis.sets().size());
+  for (int i = 0; i < analysis.set_count(); ++i) {
+    for (int k = 0; k < std::ssize(analysis.sets()[i].cases); ++k) {
+      for (const Shared& s : analysis.Result(FusionRule::kNaiveBayes, chooser, i, k, gate)) {
+        const std::vector<double>& p = s.decision->probabilities;
+        for (int c = 0; c < std::ssize(p); ++c) {
+          tallies[i].Add(p[c], c == analysis.sets()[i].truth, s.share);
+        }
+      }
+    }
+  }
+  return tallies;
+}
+
+/// (false positive rate, true positive rate), from (0, 0) to (1, 1).
+std::vector<Eigen::Vector2d> RocCurve(const std::vector<RocTally>& tallies,
+                                      const std::vector<int>& drawn) {
+  RocTally sum;
+  for (const int i : drawn) {
+    for (int bin = 0; bin < RocTally::kBins; ++bin) {
+      sum.positive[bin] += tallies[i].positive[bin];
+      sum.negative[bin] += tallies[i].negative[bin];
+    }
+  }
+  Eigen::Vector2d all = Eigen::Vector2d::Zero();
+  std::vector<Eigen::Vector2d> curve{all};
+  for (int bin = RocTally::kBins - 1; bin >= 0; --bin) {
+    all += Eigen::Vector2d(sum.negative[bin], sum.positive[bin]);
+    curve.push_back(all);
+  }
+  for (Eigen::Vector2d& point : curve) point.array() /= all.array().max(1e-300);
+  return curve;
+}
+
+double AreaUnder(const std::vector<Eigen::Vector2d>& curve) {
+  double area = 0.0;
+  for (std::size_t i = 1; i < curve.size(); ++i) {
+    area += (curve[i].x() - curve[i - 1].x()) * 0.5 * (curve[i].y() + curve[i - 1].y());
+  }
+  return area;
+}
+
 double CalibrationError(const std::vector<Tally>& tallies, const std::vector<int>& drawn) {
   double error = 0.0;
   double all = 0.0;
@@ -408,14 +472,19 @@ double AreaUnderCurve(const Conflicts& conflicts) {
 
 class Rows {
  public:
-  Rows(const Analysis& analysis, const NbvClassifier& classifier)
-      : analysis_(analysis), classifier_(classifier), choosers_(Choosers(analysis)) {}
+  Rows(const Analysis& analysis, const NbvClassifier& classifier, std::string report)
+      : analysis_(analysis),
+        classifier_(classifier),
+        report_(std::move(report)),
+        choosers_(Choosers(analysis)) {}
 
   std::vector<Row> All() {
     Accuracies();
     Gaps();
     Measures();
+    Rocs();
     Gates();
+    SecondLooks();
     WrongMatches();
     Distortions();
     Blocks();
@@ -499,6 +568,74 @@ class Rows {
       figure("expected calibration error: " + named.first,
              [&](const std::vector<int>& drawn) { return CalibrationError(tallies, drawn); });
     }
+  }
+
+  void Rocs() {
+    std::vector<Curve> curves;
+    std::vector<int> all_sets(analysis_.sets().size());
+    std::iota(all_sets.begin(), all_sets.end(), 0);
+    const auto add = [&](const std::string& name, const std::string& chooser, double gate) {
+      const std::vector<RocTally> tallies = RocTallies(analysis_, Named(chooser), gate);
+      rows_.push_back({"area under the micro-averaged ROC curve: " + name,
+                       Bootstrapped(analysis_.set_count(), [&](const std::vector<int>& drawn) {
+                         return AreaUnder(RocCurve(tallies, drawn));
+                       })});
+      curves.push_back({name, RocCurve(tallies, all_sets)});
+    };
+    add("single view", "random side", Analysis::kNever);
+    add("random side", "random side", Analysis::kAlways);
+    add("paper's vote", "paper's vote", Analysis::kAlways);
+    add(Ours(), Ours(), Analysis::kAlways);
+    if (report_.empty()) return;
+    WritePlot({"ROC, micro-averaged, naive Bayes",
+               "false positive rate",
+               "true positive rate",
+               {0.0, 0.5},
+               {0.5, 1.0}},
+              curves, std::filesystem::path(report_) / "roc.png");
+  }
+
+  /// The gate that sends the least sure trials, such a share of all, for a second look.
+  double GateFor(double share) const {
+    std::vector<double> ratios;
+    for (int i = 0; i < analysis_.set_count(); ++i) {
+      for (int k = 0; k < std::ssize(analysis_.sets()[i].cases); ++k) {
+        ratios.push_back(analysis_.Of(kMain, i, k).front.ratio);
+      }
+    }
+    std::sort(ratios.begin(), ratios.end());
+    const auto rank = static_cast<std::size_t>(share * static_cast<double>(ratios.size()));
+    return rank < ratios.size() ? ratios[rank] : Analysis::kAlways;
+  }
+
+  /// Accuracy against the share of trials with a second look.
+  void SecondLooks() {
+    constexpr int kSteps = 10;
+    const std::vector<double> count = analysis_.Count();
+    std::vector<Curve> curves;
+    for (const std::string& name :
+         {std::string("random side"), std::string("paper's vote"), Ours(), std::string("oracle")}) {
+      Curve& curve = curves.emplace_back(Curve{name, {}});
+      for (int step = 0; step <= kSteps; ++step) {
+        const double share = static_cast<double>(step) / kSteps;
+        const double gate = step == 0 ? Analysis::kNever : GateFor(share);
+        const Estimate accuracy =
+            BootstrappedRatio(analysis_.Right(kMain, Named(name), gate), count);
+        curve.points.emplace_back(share, accuracy.value);
+        if (step == 4) {
+          rows_.push_back(
+              {fmt::format("accuracy with a second look in 40 % of the trials: {}", name),
+               accuracy});
+        }
+      }
+    }
+    if (report_.empty()) return;
+    WritePlot({"Accuracy against second looks, naive Bayes",
+               "share of trials with a second look",
+               "accuracy",
+               {0.0, 0.7},
+               {1.0, 1.0}},
+              curves, std::filesystem::path(report_) / "second_looks.png");
   }
 
   void Gates() {
@@ -598,16 +735,18 @@ class Rows {
 
   const Analysis& analysis_;
   const NbvClassifier& classifier_;
+  std::string report_;  // folder of the plots; "": none
   std::vector<NamedChooser> choosers_;
   std::vector<Row> rows_;
 };
 
 }  // namespace
 
-std::vector<Row> SummariseNbv(const std::vector<NbvSet>& sets, const NbvClassifier& classifier) {
+std::vector<Row> SummariseNbv(const std::vector<NbvSet>& sets, const NbvClassifier& classifier,
+                              const std::string& report) {
   if (sets.empty()) return {};
   const Analysis analysis(sets, classifier);
-  return Rows(analysis, classifier).All();
+  return Rows(analysis, classifier, report).All();
 }
 
 }  // namespace secondlook::apps

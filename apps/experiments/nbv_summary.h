@@ -36,7 +36,9 @@ struct NbvClassifier {
   double reliability{};              ///< By which belief masses of a view are discounted.
 };
 
-/// The figures of `experiment nbv-dataset` (docs/cli.md), bootstrapped over sets.
-std::vector<Row> SummariseNbv(const std::vector<NbvSet>& sets, const NbvClassifier& classifier);
+/// The figures of `experiment nbv-dataset` (docs/cli.md), bootstrapped over sets. Plots go to the
+/// folder `report`, if any.
+std::vector<Row> SummariseNbv(const std::vector<NbvSet>& sets, const NbvClassifier& classifier,
+                              const std::string& report = "");
 
 }  // namespace secondlook::apps

@@ -195,7 +195,16 @@ cv::Rect Part(const cv::Rect& box, Rng* rng) {
   return part;
 }
 
-/// Crops of what has `id` in `scene`, from random sides.
+/// As if taken from up to twice as far.
+cv::Mat FromFarther(const cv::Mat& crop, Rng* rng) {
+  const int least = std::min(crop.cols, crop.rows);
+  const double scale = std::max(rng->Uniform(0.5, 1.0), static_cast<double>(kMinSide_px) / least);
+  cv::Mat shrunk;
+  cv::resize(crop, shrunk, {}, scale, scale, cv::INTER_AREA);
+  return shrunk;
+}
+
+/// Crops of what has `id` in `scene`, from random sides and distances.
 std::vector<cv::Mat> Crops(const sim::Scene& scene, int id, std::uint64_t seed) {
   FreeCamera camera(scene, seed);
   Rng rng(ForkSeed(seed, "crops"));
@@ -207,8 +216,8 @@ std::vector<cv::Mat> Crops(const sim::Scene& scene, int id, std::uint64_t seed) 
     const cv::Mat color = eye.Color(clean, &rng);
     const cv::Rect box = BoxOf(id, clean.id);
     if (std::min(box.width, box.height) < 2 * kMinSide_px) continue;
-    crops.push_back(color(box).clone());
-    if (i % 2 == 0) crops.push_back(color(Part(box, &rng)).clone());
+    crops.push_back(FromFarther(color(box), &rng));
+    if (i % 2 == 0) crops.push_back(FromFarther(color(Part(box, &rng)), &rng));
   }
   return crops;
 }
@@ -233,6 +242,83 @@ sim::SceneBox DrawBox(const Vector3d& size, const std::array<Vector3d, 4>& color
   return box;
 }
 
+/// The boxes around the objects of `scene`.
+std::vector<Eigen::AlignedBox3d> BoxesAround(const sim::Scene& scene) {
+  std::vector<Eigen::AlignedBox3d> boxes_W;
+  for (const sim::PlacedObject& thing : sim::PlaceObjects(scene)) {
+    Eigen::AlignedBox3d box_W;
+    for (const Eigen::Vector3f& p_MV : thing.mesh.vertices) {
+      box_W.extend(thing.X_WM * p_MV.cast<double>());
+    }
+    boxes_W.push_back(box_W);
+  }
+  return boxes_W;
+}
+
+/// An upright board in one of `colors`, 35 mm clear of what is in `box_W`, that hides most of it
+/// from the side `towards` (level, of length 1).
+sim::SceneBox DrawOccluder(const Eigen::AlignedBox3d& box_W, const Vector3d& towards,
+                           const std::array<Vector3d, 4>& colors, const sim::Table& table,
+                           Rng* rng) {
+  const Vector3d size = box_W.sizes();
+  const double reach = 0.5 * size.head<2>().maxCoeff();
+  sim::SceneBox occluder = DrawBox(
+      {0.02, std::max(0.03, 0.8 * 2.0 * reach), std::max(0.03, rng->Uniform(0.6, 0.9) * size.z())},
+      colors, table, rng);
+  occluder.position.head<2>() = (box_W.center() + (reach + 0.035) * towards).head<2>();
+  occluder.yaw_deg = std::atan2(towards.y(), towards.x()) / kDegree;
+  return occluder;
+}
+
+/// `scene` with boards on so many random sides of its one object.
+sim::Scene Hemmed(sim::Scene scene, int boards, Rng* rng) {
+  const Eigen::AlignedBox3d box_W = BoxesAround(scene).front();
+  double azimuth = rng->Uniform(-std::numbers::pi, std::numbers::pi);
+  for (int i = 0; i < boards; ++i) {
+    scene.boxes.push_back(DrawOccluder(box_W, {std::cos(azimuth), std::sin(azimuth), 0.0},
+                                       kTrainingBoxes, scene.table, rng));
+    azimuth += rng->Uniform(0.5, 1.5) * std::numbers::pi;
+  }
+  return scene;
+}
+
+/// `scene` with `thing` near the middle of its table.
+sim::Scene With(sim::SceneObject thing, sim::Scene scene, Rng* rng) {
+  thing.position = {rng->Uniform(-0.1, 0.1), rng->Uniform(-0.1, 0.1)};
+  thing.yaw_deg = rng->Uniform(-180.0, 180.0);
+  scene.objects.push_back(std::move(thing));
+  return scene;
+}
+
+/// Crops of `thing` on `table`, alone and behind boards.
+std::vector<cv::Mat> CropsOf(const sim::SceneObject& thing, const sim::Scene& table,
+                             std::uint64_t seed) {
+  Rng rng(seed);
+  const sim::Scene alone = With(thing, table, &rng);
+  std::vector<cv::Mat> crops = Crops(alone, sim::kFirstObjectId, seed);
+  const std::vector<cv::Mat> hidden =
+      Crops(Hemmed(alone, 2, &rng), sim::kFirstObjectId, ForkSeed(seed, "hemmed"));
+  crops.insert(crops.end(), hidden.begin(), hidden.end());
+  return crops;
+}
+
+/// Crops of what is none of `things`: a box alone, and a board beside one of them.
+std::vector<cv::Mat> CropsOfBackground(const std::vector<sim::SceneObject>& things,
+                                       const sim::Scene& table, std::uint64_t seed) {
+  Rng rng(seed);
+  sim::Scene alone = table;
+  alone.boxes.push_back(
+      DrawBox({rng.Uniform(0.02, 0.1), rng.Uniform(0.03, 0.15), rng.Uniform(0.03, 0.15)},
+              kTrainingBoxes, table.table, &rng));
+  std::vector<cv::Mat> crops = Crops(alone, sim::kBoxId, seed);
+  const sim::SceneObject& thing =
+      things[static_cast<std::size_t>(rng.Index(static_cast<int>(things.size())))];
+  const std::vector<cv::Mat> boards =
+      Crops(Hemmed(With(thing, table, &rng), 1, &rng), sim::kBoxId, ForkSeed(seed, "hemmed"));
+  crops.insert(crops.end(), boards.begin(), boards.end());
+  return crops;
+}
+
 }  // namespace
 
 sim::Scene DrawTestTable(const std::vector<sim::SceneObject>& things, std::uint64_t seed) {
@@ -248,38 +334,23 @@ sim::Scene DrawTestTable(const std::vector<sim::SceneObject>& things, std::uint6
   return scene;
 }
 
-sim::Scene WithOccluders(sim::Scene scene, std::uint64_t seed) {
+sim::Scene WithOccluders(sim::Scene scene, const Vector3d& p_WEye, int count, std::uint64_t seed) {
   Rng rng(ForkSeed(seed, "occluders"));
-  const Vector3d p_WHead = DrawPlaces(scene.table, seed).X_WHead.translation();
-  const std::vector<sim::PlacedObject> things = sim::PlaceObjects(scene);
-  std::vector<Eigen::AlignedBox3d> boxes_W;
-  for (const sim::PlacedObject& thing : things) {
-    Eigen::AlignedBox3d box_W;
-    for (const Eigen::Vector3f& p_MV : thing.mesh.vertices) {
-      box_W.extend(thing.X_WM * p_MV.cast<double>());
-    }
-    boxes_W.push_back(box_W);
-  }
-  std::vector<std::size_t> order(things.size());
+  const std::vector<Eigen::AlignedBox3d> boxes_W = BoxesAround(scene);
+  std::vector<std::size_t> order(boxes_W.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   for (std::size_t i = order.size(); i > 1; --i) {
     std::swap(order[i - 1], order[static_cast<std::size_t>(rng.Index(static_cast<int>(i)))]);
   }
   for (const std::size_t hidden : order) {
-    if (std::ssize(scene.boxes) == kOccluders) break;
+    if (std::ssize(scene.boxes) == count) break;
     const Eigen::AlignedBox3d& box_W = boxes_W[hidden];
-    const Vector3d size = box_W.sizes();
-    Vector3d towards = p_WHead - box_W.center();
+    Vector3d towards = p_WEye - box_W.center();
     towards.z() = 0.0;
     towards.normalize();
-    const double reach = 0.5 * size.head<2>().maxCoeff();
-    sim::SceneBox occluder = DrawBox(
-        {0.02, std::max(0.03, 0.8 * 2.0 * reach), std::max(0.03, rng.Uniform(0.6, 0.9) * size.z())},
-        kTestBoxes, scene.table, &rng);
+    sim::SceneBox occluder = DrawOccluder(box_W, towards, kTestBoxes, scene.table, &rng);
     occluder.name = fmt::format("occluder {}", scene.boxes.size() + 1);
-    const Vector3d center = box_W.center() + (reach + 0.035) * towards;
-    occluder.position = {center.x(), center.y(), scene.table.height};
-    occluder.yaw_deg = std::atan2(towards.y(), towards.x()) / kDegree;
+    const Vector3d& center = occluder.position;
     const double room = 0.5 * occluder.size.y() + 0.01;
     const Eigen::AlignedBox3d around(
         Vector3d(center.x() - room, center.y() - room, scene.table.height),
@@ -291,6 +362,11 @@ sim::Scene WithOccluders(sim::Scene scene, std::uint64_t seed) {
     if (free) scene.boxes.push_back(occluder);
   }
   return scene;
+}
+
+sim::Scene WithOccluders(sim::Scene scene, std::uint64_t seed) {
+  const Vector3d p_WHead = DrawPlaces(scene.table, seed).X_WHead.translation();
+  return WithOccluders(std::move(scene), p_WHead, kOccluders, seed);
 }
 
 TwoViews LookTwice(const sim::Scene& scene, const perception::Classifier& classifier,
@@ -339,21 +415,11 @@ perception::TrainingSet RenderTrainingSet(const std::vector<sim::SceneObject>& t
   ParallelFor(count, [&](int i) {
     const std::string& name = set.classes[static_cast<std::size_t>(i / kTrainingTables)];
     const std::uint64_t own = ForkSeed(seed, fmt::format("crops {}", i));
-    Rng rng(own);
-    sim::Scene scene = TrainingTable(i % kTrainingTables, seed);
+    const sim::Scene table = TrainingTable(i % kTrainingTables, seed);
     const auto thing = std::find_if(things.begin(), things.end(),
                                     [&](const sim::SceneObject& t) { return t.name == name; });
-    if (thing != things.end()) {
-      scene.objects.push_back(*thing);
-      scene.objects.back().position = {rng.Uniform(-0.1, 0.1), rng.Uniform(-0.1, 0.1)};
-      scene.objects.back().yaw_deg = rng.Uniform(-180.0, 180.0);
-    } else {
-      scene.boxes.push_back(
-          DrawBox({rng.Uniform(0.02, 0.1), rng.Uniform(0.03, 0.15), rng.Uniform(0.03, 0.15)},
-                  kTrainingBoxes, scene.table, &rng));
-    }
     crops[static_cast<std::size_t>(i)] =
-        Crops(scene, thing != things.end() ? sim::kFirstObjectId : sim::kBoxId, own);
+        thing != things.end() ? CropsOf(*thing, table, own) : CropsOfBackground(things, table, own);
   });
   std::uint64_t hash = Fnv1a("");
   for (int i = 0; i < count; ++i) {

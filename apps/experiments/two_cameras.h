@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "lib/fusion/cross_match.h"
 #include "lib/perception/appearance/classifier.h"
 #include "lib/perception/appearance/training_images.h"
@@ -29,8 +31,12 @@ struct TwoViews {
 /// test is made with.
 sim::Scene DrawTestTable(const std::vector<sim::SceneObject>& things, std::uint64_t seed);
 
-/// `scene` with up to three boxes on the table, each hiding a part of one of its objects from the
-/// head of LookTwice(scene, …, seed).
+/// `scene` with up to `count` boards on the table, each hiding a part of one of its objects from an
+/// eye at `p_WEye`.
+sim::Scene WithOccluders(sim::Scene scene, const Eigen::Vector3d& p_WEye, int count,
+                         std::uint64_t seed);
+
+/// … up to three of them, from the head of LookTwice(scene, …, seed).
 sim::Scene WithOccluders(sim::Scene scene, std::uint64_t seed);
 
 /// Looks at the table from the head (1.3 to 1.6 m away, 20 to 35 degrees above it), and from the
@@ -41,8 +47,9 @@ sim::Scene WithOccluders(sim::Scene scene, std::uint64_t seed);
 TwoViews LookTwice(const sim::Scene& scene, const perception::Classifier& classifier,
                    std::uint64_t seed);
 
-/// Pictures of `things`, each alone, whole and in part, and of boxes as the class of the
-/// background: in other light, on other tables and from other poses than any test's.
+/// Pictures of `things`, each alone, whole and in part, and behind boxes, from near and far, and of
+/// boxes as the class of the background: in other light, on other tables and from other poses than
+/// any test's.
 perception::TrainingSet RenderTrainingSet(const std::vector<sim::SceneObject>& things,
                                           std::uint64_t seed);
 

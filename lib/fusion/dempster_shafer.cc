@@ -52,6 +52,11 @@ world::MassFunction Discounted(world::MassFunction m, double reliability) {
   return m;
 }
 
+double CommittedConflict(const world::MassFunction& a, const world::MassFunction& b) {
+  const double most = (1.0 - a.omega) * (1.0 - b.omega);
+  return most > 0.0 ? std::min(Combine(a, b).conflict / most, 1.0) : 0.0;
+}
+
 std::map<std::string, double> Pignistic(const world::MassFunction& m, int class_count) {
   const double share = m.omega / class_count;
   std::map<std::string, double> probabilities;

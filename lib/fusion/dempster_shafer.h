@@ -23,6 +23,12 @@ world::MassFunction Combine(const world::MassFunction& a, const world::MassFunct
 /// moved to Omega (Shafer's discounting). @pre `reliability` in [0, 1].
 world::MassFunction Discounted(world::MassFunction m, double reliability);
 
+/// How far two views disagree in what they commit themselves to: m(empty) of their combination over
+/// the most that it could be, the product of what each gives to classes rather than to Omega. In
+/// [0, 1]; 0 where either commits itself to nothing. Unlike m(empty) it is that of the views as
+/// they were, however they are discounted. @pre Neither has a conflict of its own.
+double CommittedConflict(const world::MassFunction& a, const world::MassFunction& b);
+
 /// The pignistic probabilities (Hoseini 2018, Eq. 3) over `class_count` >= 1 classes, normalised to
 /// sum to 1 over all of them; only classes that have a mass of their own are listed, each of the
 /// others has the share of Omega, m(Omega) / class_count / (1 - m(empty)).

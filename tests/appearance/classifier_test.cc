@@ -15,8 +15,8 @@
 #include "lib/common/error.h"
 #include "lib/common/files.h"
 #include "lib/common/rng.h"
-#include "lib/perception/appearance/backbone.h"
 #include "lib/perception/appearance/feature_classifier.h"
+#include "lib/perception/appearance/network_classifier.h"
 #include "tests/appearance/tiny_network.h"
 #include "tests/support/expect_throws.h"
 #include "tests/support/temporary_folder.h"
@@ -125,10 +125,10 @@ ClassifierHeader ColorsHeader() {
   return {"backbone", {"blue", "green", "red"}, "fnv1a 2", 9, 0.5};
 }
 
-TEST(Backbone, RunsTheNetworkOfItsModelFile) {
+TEST(NetworkClassifier, RunsTheNetworkOfItsModelFile) {
   const TemporaryFolder folder;
   WriteFile(folder / "net.onnx", TinyNetwork());
-  WriteBackboneFile(folder / "model.yml", ColorsHeader(), folder / "net.onnx", 8);
+  WriteNetworkFile(folder / "model.yml", ColorsHeader(), folder / "net.onnx", 8);
   const std::unique_ptr<Classifier> classifier = LoadClassifier(folder / "model.yml");
   // RGB means 100, 50 and 0 make the logits 10, 5 and 0.
   const std::vector<double> p =
@@ -139,19 +139,42 @@ TEST(Backbone, RunsTheNetworkOfItsModelFile) {
   EXPECT_EQ(classifier->held_out_accuracy(), 0.5);
 }
 
-TEST(Backbone, RefusesAnotherNetworkThanItsOwn) {
+TEST(NetworkClassifier, SaysTheSameOfAnImageAndItsMirrorImage) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "net.onnx", LeftOrRightNetwork());
+  WriteNetworkFile(folder / "model.yml", {"cnn1", {"left", "right"}, "fnv1a 3", 2, 0.5},
+                   folder / "net.onnx", 2);
+  const std::unique_ptr<Classifier> classifier = LoadClassifier(folder / "model.yml");
+  cv::Mat image(2, 2, CV_8UC3, cv::Scalar(0, 0, 0));
+  image.at<cv::Vec3b>(0, 0) = {100, 0, 0};  // by itself, of class "left" with 0.99995
+  cv::Mat mirrored;
+  cv::flip(image, mirrored, 1);
+  EXPECT_NEAR(classifier->Classify(image)[0], 0.5, 1e-6);
+  EXPECT_NEAR(classifier->Classify(mirrored)[0], 0.5, 1e-6);
+}
+
+TEST(NetworkClassifier, TakesImagesOnePixelWide) {
   const TemporaryFolder folder;
   WriteFile(folder / "net.onnx", TinyNetwork());
-  WriteBackboneFile(folder / "model.yml", ColorsHeader(), folder / "net.onnx", 8);
+  WriteNetworkFile(folder / "model.yml", ColorsHeader(), folder / "net.onnx", 8);
+  const std::unique_ptr<Classifier> classifier = LoadClassifier(folder / "model.yml");
+  EXPECT_GT(classifier->Classify(cv::Mat(40, 1, CV_8UC3, cv::Scalar(0, 0, 100)))[2], 0.99);
+  EXPECT_THROWS(classifier->Classify(cv::Mat()), InvalidArgument, "an image of 0 x 0 pixels");
+}
+
+TEST(NetworkClassifier, RefusesAnotherNetworkThanItsOwn) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "net.onnx", TinyNetwork());
+  WriteNetworkFile(folder / "model.yml", ColorsHeader(), folder / "net.onnx", 8);
   WriteFile(folder / "net.onnx", "something else");
   EXPECT_THROWS(LoadClassifier(folder / "model.yml"), ConfigError,
                 "net.onnx: is not the network that the model file was made with");
-  WriteBackboneFile(folder / "model.yml", ColorsHeader(), folder / "net.onnx", 8);
+  WriteNetworkFile(folder / "model.yml", ColorsHeader(), folder / "net.onnx", 8);
   EXPECT_THROWS(LoadClassifier(folder / "model.yml"), ConfigError, "cannot be read as ONNX");
   WriteFile(folder / "net.onnx", TinyNetwork());
   ClassifierHeader two = ColorsHeader();
   two.classes.pop_back();
-  WriteBackboneFile(folder / "model.yml", two, folder / "net.onnx", 8);
+  WriteNetworkFile(folder / "model.yml", two, folder / "net.onnx", 8);
   EXPECT_THROWS(LoadClassifier(folder / "model.yml"), ConfigError,
                 "tells of 3 classes, its model file of 2");
 }
@@ -177,7 +200,7 @@ TEST(LoadClassifier, NamesAFileThatIsNoModel) {
 TEST(CheckClasses, NamesBothListsWhenTheyDiffer) {
   const TemporaryFolder folder;
   WriteFile(folder / "net.onnx", TinyNetwork());
-  WriteBackboneFile(folder / "model.yml", ColorsHeader(), folder / "net.onnx", 8);
+  WriteNetworkFile(folder / "model.yml", ColorsHeader(), folder / "net.onnx", 8);
   const auto classifier = LoadClassifier(folder / "model.yml");
   EXPECT_NO_THROW(CheckClasses(*classifier, {"red", "green", "blue"}, "model.yml"));
   EXPECT_THROWS(CheckClasses(*classifier, {"red", "cup"}, "model.yml"), ConfigError,

@@ -15,7 +15,7 @@
 #include "apps/experiments/npy.h"
 #include "lib/common/error.h"
 #include "lib/common/files.h"
-#include "lib/perception/appearance/backbone.h"
+#include "lib/perception/appearance/network_classifier.h"
 #include "tests/appearance/tiny_network.h"
 #include "tests/support/expect_throws.h"
 #include "tests/support/temporary_folder.h"
@@ -174,6 +174,19 @@ TEST(SummariseNbv, MeasuresWhatAConfusionMatrixByHandGives) {
   EXPECT_NEAR(Value(rows, "expected calibration error: single view"), 0.75, 1e-12);
 }
 
+TEST(SummariseNbv, TellsTrueFromOtherClassesByTheAreaUnderTheRocCurve) {
+  const std::vector<Row> rows =
+      SummariseNbv({OneGoodSide(0), OneGoodSide(1)}, {{"cup", "mug"}, 0.9});
+  const auto area = [&](const std::string& of) {
+    return Value(rows, "area under the micro-averaged ROC curve: " + of);
+  };
+  EXPECT_NEAR(area("single view"), 0.0, 1e-12);   // true classes at 0.25, others at 0.75
+  EXPECT_NEAR(area("paper's vote"), 1.0, 1e-12);  // true classes at 0.97
+  // A random side: of the true classes a fifth is above all others, of the others a fifth below all
+  // true ones, and nothing in between.
+  EXPECT_NEAR(area("random side"), 1.0 - 0.8 * 0.8, 1e-12);
+}
+
 TEST(SummariseNbv, LearnsWithTheOtherBlocksAlone) {
   NbvSet first = OneGoodSide(0);
   NbvSet second = OneGoodSide(1);
@@ -191,9 +204,9 @@ class NbvDataset : public ::testing::Test {
  protected:
   NbvDataset() {
     WriteFile(folder_ / "net.onnx", perception::TinyNetwork());
-    perception::WriteBackboneFile(folder_ / "model.yml",
-                                  {"backbone", {"Red", "Green", "Blue"}, "fnv1a 1", 3, 0.9},
-                                  folder_ / "net.onnx", 8);
+    perception::WriteNetworkFile(folder_ / "model.yml",
+                                 {"backbone", {"Red", "Green", "Blue"}, "fnv1a 1", 3, 0.9},
+                                 folder_ / "net.onnx", 8);
     WriteSet(0, "Red", {40, 60, 200});  // BGR
     WriteSet(41, "Blue", {200, 60, 40});
     options_.data = folder_.path().string();
@@ -238,8 +251,12 @@ TEST_F(NbvDataset, GivesTheSameForTheSameSeedAlsoMirrored) {
   RunNbvDatasetExperiment(options_);
   nlohmann::json first = Result();
   options_.threads = 2;
+  options_.report = (folder_ / "plots").string();
   RunNbvDatasetExperiment(options_);
   EXPECT_EQ(Result()["details"], first["details"]);
+  EXPECT_EQ(cv::imread((folder_ / "plots" / "roc.png").string()).size(), cv::Size(640, 480));
+  EXPECT_EQ(cv::imread((folder_ / "plots" / "second_looks.png").string()).size(),
+            cv::Size(640, 480));
 }
 
 TEST_F(NbvDataset, NamesWhatIsMissing) {

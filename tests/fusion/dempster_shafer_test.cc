@@ -92,6 +92,17 @@ TEST(Combine, KeepsConflictBetweenTheViewsAsMassOfTheEmptySet) {
   EXPECT_NEAR(NormalisedBelief(m, "mug"), 0.18 / 0.28, 1e-12);
 }
 
+TEST(CommittedConflict, IsTheSameHoweverTheViewsAreDiscounted) {
+  const MassFunction a{{{"mug", 0.9}}, 0.1, 0.0};
+  const MassFunction b{{{"bowl", 0.6}, {"mug", 0.2}}, 0.2, 0.0};
+  EXPECT_NEAR(CommittedConflict(a, b), 0.75, 1e-12);  // of what b says, 0.6 of 0.8 is not the mug
+  EXPECT_NEAR(CommittedConflict(Discounted(a, 0.3), Discounted(b, 0.5)), 0.75, 1e-12);
+}
+
+TEST(CommittedConflict, IsNoneWhereAViewKnowsNothing) {
+  EXPECT_EQ(CommittedConflict({{{"mug", 0.9}}, 0.1, 0.0}, MassFunction{}), 0.0);
+}
+
 TEST(FromSupports, SharesTheBeliefBetweenLookAlikes) {
   const MassFunction m = FromSupports({{"mug", 0.9}, {"bowl", 0.9}});
   EXPECT_NEAR(m.Of("mug"), 0.09 / 0.19, 1e-12);

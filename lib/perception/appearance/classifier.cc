@@ -5,9 +5,9 @@
 
 #include "lib/common/error.h"
 #include "lib/common/files.h"
-#include "lib/perception/appearance/backbone.h"
 #include "lib/perception/appearance/classifier_file.h"
 #include "lib/perception/appearance/feature_classifier.h"
+#include "lib/perception/appearance/network_classifier.h"
 
 namespace secondlook::perception {
 namespace {
@@ -68,8 +68,9 @@ std::unique_ptr<Classifier> LoadClassifier(const fs::path& path) {
   const cv::FileStorage file = Open(path);
   const ClassifierHeader header = ReadHeader(file, path);
   try {
-    if (header.kind == "backbone") {
-      return std::make_unique<Backbone>(header, file.root(), path.parent_path());
+    if (header.kind == "backbone" || header.kind == "cnn1" || header.kind == "cnn2" ||
+        header.kind == "cnn3") {
+      return std::make_unique<NetworkClassifier>(header, file.root(), path.parent_path());
     }
     if (header.kind == "svm" || header.kind == "svm2021" || header.kind == "forest") {
       return std::make_unique<FeatureClassifier>(header, file.root());
@@ -77,8 +78,9 @@ std::unique_ptr<Classifier> LoadClassifier(const fs::path& path) {
   } catch (const cv::Exception& error) {
     Throw<ConfigError>("{}: damaged: {}", path.string(), error.err);
   }
-  Throw<ConfigError>("{}: a classifier of kind '{}'; known: svm, svm2021, forest, backbone",
-                     path.string(), header.kind);
+  Throw<ConfigError>(
+      "{}: a classifier of kind '{}'; known: svm, svm2021, forest, cnn1, cnn2, cnn3, backbone",
+      path.string(), header.kind);
 }
 
 void CheckClasses(const Classifier& classifier, const std::vector<std::string>& classes,

@@ -39,7 +39,7 @@ class Classifier {
 
 /// What every model file begins with.
 struct ClassifierHeader {
-  std::string kind;                  ///< svm, svm2021, forest or backbone.
+  std::string kind;                  ///< svm, svm2021, forest, cnn1, cnn2, cnn3 or backbone.
   std::vector<std::string> classes;  ///< At least two, all different.
   std::string training_hash;         ///< Of names and contents of the images it was trained on.
   int images{};                      ///< How many these were.

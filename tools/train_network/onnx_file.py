@@ -1,4 +1,4 @@
-"""The fine-tuned network as ONNX that OpenCV 4.6 reads: input `image` [1, 3, 128, 128], RGB in
+"""Networks as ONNX that OpenCV 4.6 reads: input `image` [1, 3, 128, 128], RGB in
 0..255; output `probabilities` [1, classes]."""
 
 import numpy as np
@@ -11,7 +11,7 @@ from augment import INPUT_PX
 OPSET = 10  # Pad and Clip with attributes
 
 
-class _Graph:
+class Graph:
     def __init__(self):
         self.nodes, self.constants = [], []
 
@@ -24,6 +24,14 @@ class _Graph:
         output = output or f"n{len(self.nodes)}"
         self.nodes.append(helper.make_node(kind, inputs, [output], **attributes))
         return output
+
+    def integers(self, value):
+        name = f"c{len(self.constants)}"
+        self.constants.append(numpy_helper.from_array(np.asarray(value, np.int64), name))
+        return name
+
+    def connected(self, x, weight, bias):
+        return self.add("Gemm", [x, self.constant(weight), self.constant(bias)], transB=1)
 
     def convolution(self, x, layer, size, stride=1, group=1, relu=True):
         kernel = layer["w"].shape[2]
@@ -38,9 +46,22 @@ class _Graph:
                      group=group)
         return self.add("Clip", [y], min=0.0, max=6.0) if relu else y
 
+    def save(self, path, name, scores, classes):
+        """With `scores` made probabilities."""
+        self.add("Softmax", [scores], "probabilities", axis=1)
+        value = helper.make_tensor_value_info
+        model = helper.make_model(
+            helper.make_graph(self.nodes, name,
+                              [value("image", onnx.TensorProto.FLOAT, [1, 3, INPUT_PX, INPUT_PX])],
+                              [value("probabilities", onnx.TensorProto.FLOAT, [1, classes])],
+                              self.constants),
+            opset_imports=[helper.make_opsetid("", OPSET)], ir_version=5)
+        onnx.checker.check_model(model)
+        onnx.save(model, path)
+
 
 def write(path, pretrained, tuned, temperature):
-    graph = _Graph()
+    graph = Graph()
     scale = (1 / network.DEVIATION).reshape(1, 3, 1, 1)
     x = graph.add("Mul", ["image", graph.constant(scale)])
     x = graph.add("Add", [x, graph.constant(-network.MEAN.reshape(1, 3, 1, 1) * scale)])
@@ -58,14 +79,4 @@ def write(path, pretrained, tuned, temperature):
     x = graph.convolution(x, tuned["head"], size)
     x = graph.add("Flatten", [graph.add("GlobalAveragePool", [x])], axis=1)
     weight, bias = (tuned["linear"][name] / temperature for name in "wb")
-    x = graph.add("Gemm", [x, graph.constant(weight), graph.constant(bias)], transB=1)
-    graph.add("Softmax", [x], "probabilities", axis=1)
-    value = helper.make_tensor_value_info
-    model = helper.make_model(
-        helper.make_graph(graph.nodes, "efficientnet_lite0",
-                          [value("image", onnx.TensorProto.FLOAT, [1, 3, INPUT_PX, INPUT_PX])],
-                          [value("probabilities", onnx.TensorProto.FLOAT, [1, len(bias)])],
-                          graph.constants),
-        opset_imports=[helper.make_opsetid("", OPSET)], ir_version=5)
-    onnx.checker.check_model(model)
-    onnx.save(model, path)
+    graph.save(path, "efficientnet_lite0", graph.connected(x, weight, bias), len(bias))

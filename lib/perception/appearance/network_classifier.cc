@@ -1,4 +1,4 @@
-#include "lib/perception/appearance/backbone.h"
+#include "lib/perception/appearance/network_classifier.h"
 
 #include <utility>
 
@@ -17,8 +17,8 @@ std::string ContentHash(const std::string& bytes) { return "fnv1a " + HexDigits(
 
 }  // namespace
 
-Backbone::Backbone(ClassifierHeader header, const cv::FileNode& node,
-                   const std::filesystem::path& folder)
+NetworkClassifier::NetworkClassifier(ClassifierHeader header, const cv::FileNode& node,
+                                     const std::filesystem::path& folder)
     : header_(std::move(header)), input_px_(static_cast<int>(node["input_px"])) {
   const std::filesystem::path onnx = folder / static_cast<std::string>(node["network"]);
   const std::string bytes = ReadFile(onnx);
@@ -38,7 +38,7 @@ Backbone::Backbone(ClassifierHeader header, const cv::FileNode& node,
   }
 }
 
-std::vector<double> Backbone::Classify(const cv::Mat& image) const {
+std::vector<double> NetworkClassifier::Classify(const cv::Mat& image) const {
   if (image.empty() || image.type() != CV_8UC3) {
     Throw<InvalidArgument>(
         "an image of {} x {} pixels of type {}: an RGB image of 8 bits is needed", image.cols,
@@ -46,14 +46,23 @@ std::vector<double> Backbone::Classify(const cv::Mat& image) const {
   }
   cv::Mat input;
   cv::resize(image, input, {input_px_, input_px_}, 0.0, 0.0, cv::INTER_LINEAR);
+  cv::Mat mirrored;
+  cv::flip(input, mirrored, 1);
+  std::vector<double> probabilities;
   const std::lock_guard lock(mutex_);
-  net_.setInput(cv::dnn::blobFromImage(input));
-  const cv::Mat output = net_.forward();
-  return {output.begin<float>(), output.end<float>()};
+  for (const cv::Mat& shown : {input, mirrored}) {
+    net_.setInput(cv::dnn::blobFromImage(shown));
+    const cv::Mat output = net_.forward();
+    probabilities.resize(output.total(), 0.0);
+    for (std::size_t c = 0; c < probabilities.size(); ++c) {
+      probabilities[c] += 0.5 * output.at<float>(static_cast<int>(c));
+    }
+  }
+  return probabilities;
 }
 
-void WriteBackboneFile(const std::filesystem::path& path, const ClassifierHeader& header,
-                       const std::filesystem::path& onnx, int input_px) {
+void WriteNetworkFile(const std::filesystem::path& path, const ClassifierHeader& header,
+                      const std::filesystem::path& onnx, int input_px) {
   const std::string hash = ContentHash(ReadFile(onnx));
   WriteClassifierFile(path, header, [&](cv::FileStorage* file) {
     *file << "input_px" << input_px << "network" << onnx.filename().string() << "network_hash"
