@@ -3,29 +3,22 @@
 
 #include <cstdint>
 #include <cstdlib>
-#include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "apps/experiments/npy.h"
-#include "apps/run_config.h"
 #include "lib/common/error.h"
-#include "lib/common/files.h"
 #include "lib/common/rng.h"
-#include "lib/geometry/mesh.h"
-#include "lib/geometry/pcd.h"
-#include "lib/kinematics/robot_model.h"
-#include "lib/transport/message.h"
-#include "lib/transport/message_json.h"
-#include "sim/scene.h"
+#include "tests/fuzz/inputs.h"
 #include "tests/support/temporary_folder.h"
 
-#include "second_look/command_t.hpp"
-#include "second_look/task_t.hpp"
-
 namespace secondlook {
+
+/// How GoogleTest names it.
+void PrintTo(const OutsideInput& input, std::ostream* out) { *out << input.name; }
+
 namespace {
 
 int MutantsWanted() {
@@ -67,14 +60,17 @@ std::string Mutant(std::string text, Rng* rng) {
   return text;
 }
 
-/// Has `read` read the seed, which must be right, and all its mutants.
-void Expect(const std::string& seed, const std::function<void(const std::string&)>& read) {
-  ASSERT_NO_THROW(read(seed));
+class MutatedInput : public ::testing::TestWithParam<OutsideInput> {};
+
+TEST_P(MutatedInput, IsNoTrouble) {
+  const TemporaryFolder folder;
+  const OutsideInput& input = GetParam();
+  ASSERT_NO_THROW(input.read(input.seed, folder.path()));
   Rng rng(1);
   for (int i = 0; i < MutantsWanted(); ++i) {
-    const std::string mutant = Mutant(seed, &rng);
+    const std::string mutant = Mutant(input.seed, &rng);
     try {
-      read(mutant);
+      input.read(mutant, folder.path());
     } catch (const Error&) {
       // It was said what is wrong.
     } catch (const std::exception& error) {
@@ -83,83 +79,8 @@ void Expect(const std::string& seed, const std::function<void(const std::string&
   }
 }
 
-/// The same through a file with this name.
-void ExpectFile(const std::string& name, const std::string& seed,
-                const std::function<void(const std::filesystem::path&)>& read) {
-  const TemporaryFolder folder;
-  Expect(seed, [&](const std::string& text) {
-    WriteFile(folder / name, text);
-    read(folder / name);
-  });
-}
-
-template <class T>
-std::string Bytes(const T& message) {
-  const std::vector<std::uint8_t> bytes = transport::Encode(message);
-  return {bytes.begin(), bytes.end()};
-}
-
-TEST(MutatedInput, IsNoTroubleInAnObjMesh) {
-  ExpectFile("a.obj",
-             "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nvt 0 0\nvt 1 0\nvn 0 0 1\n"
-             "f 1/1/1 2/2/1 3/1/1\nf 1/1/1 2/2/1 4/1/1\nf 1 3 4\nf 2 3 4\n",
-             [](const auto& file) { geometry::LoadMesh(file, geometry::LengthUnit::kMetre); });
-}
-
-TEST(MutatedInput, IsNoTroubleInAPlyMesh) {
-  ExpectFile("a.ply",
-             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
-             "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
-             "end_header\n0 0 0\n0.1 0 0\n0 0.1 0\n0 0 0.1\n3 0 1 2\n3 0 1 3\n",
-             [](const auto& file) { geometry::LoadMesh(file, geometry::LengthUnit::kMetre); });
-}
-
-TEST(MutatedInput, IsNoTroubleInAPcdCloud) {
-  ExpectFile("a.pcd",
-             "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
-             "WIDTH 3\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 6\nDATA ascii\n"
-             "0 0 1\n0.1 0 1\n0.2 0 1\n0 0.1 1\n0.1 0.1 1\nnan nan nan\n",
-             [](const auto& file) { geometry::ReadPcd(file); });
-}
-
-TEST(MutatedInput, IsNoTroubleInANpyArray) {
-  std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }";
-  header.resize(117, ' ');
-  header += '\n';
-  const std::string magic("\x93NUMPY\x01\x00\x76\x00", 10);
-  ExpectFile("a.npy", magic + header + std::string(24, '\0'),
-             [](const auto& file) { apps::ReadNpy(file); });
-}
-
-TEST(MutatedInput, IsNoTroubleInAUrdf) {
-  Expect(ReadFile("sim/robots/arm.urdf"),
-         [](const std::string& text) { kinematics::ParseUrdf(text, "a mutant"); });
-}
-
-TEST(MutatedInput, IsNoTroubleInAConfiguration) {
-  Expect(apps::ToText(apps::RunConfig{}),
-         [](const std::string& text) { apps::ParseRunConfig(text, "a mutant"); });
-}
-
-TEST(MutatedInput, IsNoTroubleInAScene) {
-  ExpectFile("scene.yaml",
-             "name: a\ntable:\n  position: [1.0, 0.5]\nwalls: {}\nobjects: []\n"
-             "robot:\n  position: [0, 0]\n  yaw_deg: 20\n",
-             [](const auto& file) { sim::LoadScene(file).Validate(); });
-}
-
-TEST(MutatedInput, IsNoTroubleInAMessage) {
-  second_look::command_t command{};
-  command.command = second_look::command_t::STOP;
-  command.reason = "a hand in the way";
-  const auto check = [](const std::string& bytes, const char* type) {
-    const std::vector<std::uint8_t> data(bytes.begin(), bytes.end());
-    transport::Check(data, type, {});
-  };
-  Expect(Bytes(command), [&](const std::string& bytes) { check(bytes, "second_look.command_t"); });
-  second_look::task_t task{};
-  Expect(Bytes(task), [&](const std::string& bytes) { check(bytes, "second_look.task_t"); });
-}
+INSTANTIATE_TEST_SUITE_P(All, MutatedInput, ::testing::ValuesIn(OutsideInputs()),
+                         [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace secondlook
