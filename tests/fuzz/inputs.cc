@@ -38,7 +38,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWidth = 8;   // of the images
+constexpr int kWidth = 8;  // of the images
 constexpr int kHeight = 6;
 
 std::string ToText(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
@@ -56,16 +56,16 @@ OutsideInput File(const std::string& name, const std::string& file, std::string 
 }
 
 OutsideInput Mesh(const std::string& extension, std::string seed) {
-  return File(extension, "a." + extension, std::move(seed), [](const fs::path& file) {
-    geometry::LoadMesh(file, geometry::LengthUnit::kMetre);
-  });
+  return File(extension, "a." + extension, std::move(seed),
+              [](const fs::path& file) { geometry::LoadMesh(file, geometry::LengthUnit::kMetre); });
 }
 
 /// What comes in as a message of this type.
 template <class T>
 OutsideInput InMessage(const std::string& name, const std::string& type, const T& seed,
                        const std::function<void(const T&)>& use) {
-  return {name, ToText(transport::Encode(seed)), [type, use](const std::string& bytes, const fs::path&) {
+  return {name, ToText(transport::Encode(seed)),
+          [type, use](const std::string& bytes, const fs::path&) {
             const transport::Message message{"IN", 0, ToBytes(bytes)};
             transport::Check(message.bytes, type, {});
             use(transport::Decode<T>(message));
@@ -138,7 +138,8 @@ OutsideInput Model() {
   for (const auto& entry : fs::directory_iterator(folder / "models" / "thing")) {
     files[entry.path().filename().string()] = ReadFile(entry.path());
   }
-  return {"model", files.at("model.yaml"), [files](const std::string& bytes, const fs::path& scratch) {
+  return {"model", files.at("model.yaml"),
+          [files](const std::string& bytes, const fs::path& scratch) {
             MakeWritableFolder(scratch / "thing");
             for (const auto& [name, content] : files) WriteFile(scratch / "thing" / name, content);
             WriteFile(scratch / "thing" / "model.yaml", bytes);
@@ -192,7 +193,8 @@ std::vector<OutsideInput> OutsideInputs() {
            "residuals: {views: 60, pixels: 0.3, millimetres: 0.5, degrees: 0.04}\n",
            [](const fs::path& file) { kinematics::LoadCalibration(file); }),
       Model(),
-      InMessage<second_look::command_t>("command", "second_look.command_t", command, [](const auto&) {}),
+      InMessage<second_look::command_t>("command", "second_look.command_t", command,
+                                        [](const auto&) {}),
       InMessage<second_look::task_t>("task", "second_look.task_t", task, [](const auto&) {}),
       InMessage<bot_core::images_t>("images", "bot_core.images_t", ImagesSeed(),
                                     [](const bot_core::images_t& images) {
