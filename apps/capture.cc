@@ -15,10 +15,21 @@ constexpr Duration kKeep = Seconds(10);
 constexpr double kBodyMargin = 0.04;  // [m]
 /// How long after a frame's time the states may come in.
 constexpr Duration kSettle = Seconds(0.05);
-/// A frame may be stamped so much later than it is, by the error of its stamp.
+/// What is measured may be stamped so much later than it is, by the error of its stamp.
 constexpr Duration kMaxAhead = Seconds(0.5);
 /// More frames from the past than this in a row, and the camera's stamps are wrong.
 constexpr int kMaxStale = 10;
+
+/// @throws DeviceError naming `device` when what it says is of the future: stamps that jump ahead
+/// would leave it out of the histories of what comes after them.
+void RequireNotAhead(const std::string& device, Time measured, Time now) {
+  if (measured <= now + kMaxAhead) return;
+  Throw<DeviceError>(
+      "{}: its newest state is stamped {:.3f} s ahead of the robot's clock; check its clock and "
+      "its "
+      "time stamps",
+      device, ToSeconds(measured - now));
+}
 
 }  // namespace
 
@@ -34,10 +45,14 @@ Capturer::Capturer(hal::Robot* robot, const kinematics::HeadCalibration& calibra
 void Capturer::Poll() {
   const hal::BaseState base = robot_->base->State();
   const hal::PanTiltState head = robot_->head->State();
+  const Time now = robot_->clock->Now();
+  RequireNotAhead("base '" + robot_->base->info().name + "'", base.time, now);
+  RequireNotAhead("pan-tilt '" + robot_->head->info().name + "'", head.time, now);
   X_WB_.Add(base.time, ToPose(base.X_WB));
   X_BC_.Add(head.time, CameraInBase(calibration_, {head.angles.pan, head.angles.tilt}));
   if (!hand_ || arm_lost_) return;
   hal::ArmState arm = robot_->arm->State();
+  RequireNotAhead("arm '" + robot_->arm->info().name + "'", arm.time, now);
   if (!arm_states_.empty() && arm.time <= arm_states_.back().time) return;
   arm_states_.push_back(std::move(arm));
   while (arm_states_.front().time < arm_states_.back().time - kKeep) arm_states_.pop_front();

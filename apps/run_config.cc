@@ -13,6 +13,7 @@ std::vector<std::string*> RelativePaths(RunConfig* config) {
   std::vector<std::string*> paths{&config->models, &config->learned, &config->classifier};
   if (auto* sim = std::get_if<sim::SimConfig>(&config->robot)) {
     paths.push_back(&sim->scene);
+    paths.push_back(&sim->calibration);
     if (sim->arm) paths.push_back(&sim->arm->urdf);
   }
   if (auto* real = std::get_if<RealConfig>(&config->robot)) {

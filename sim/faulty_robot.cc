@@ -29,6 +29,8 @@ constexpr Duration kSetOut = Seconds(2.0);  // a motion ends early, or begins, a
 constexpr Duration kClockJump = Seconds(5.0);
 constexpr Duration kHalfPeriod = Seconds(1.0);  // of what is intermittent
 constexpr double kDepthScale = 1.1;
+constexpr double kOdometryScale = 1.1;
+constexpr double kNearLimit = 0.1;  // of a joint's range
 constexpr double kAngleOffset = 4.0 * std::numbers::pi / 180.0;
 constexpr double kPlaceOffset = 0.3;  // [m]
 
@@ -133,6 +135,8 @@ class FaultyMotion {
     started_ = faults_.clock().Now();
     stop_requested_ = false;
     own_ = {};
+    ending_.reset();
+    late_since_.reset();
     waiting_.reset();
     if (faults_.Now(FaultType::kRefuses) || faults_.Fails()) {
       own_ = {MotionPhase::kFailed, "the motion is refused (simulated)"};
@@ -150,6 +154,7 @@ class FaultyMotion {
     const bool due = faults_.clock().Now() >= started_ + kSetOut;
     if (stop_requested_.exchange(false)) {
       waiting_.reset();
+      ending_.reset();
       if (own_.phase == MotionPhase::kMoving) own_.phase = MotionPhase::kStopped;
     }
     if (waiting_ && due) {
@@ -158,19 +163,15 @@ class FaultyMotion {
     }
     if (own_.phase != MotionPhase::kIdle) return own_;
     const MotionStatus status = device_->Status();
-    if (status.phase != MotionPhase::kMoving || !due) return status;
-    if (faults_.Now(FaultType::kAborts)) {
-      device_->Stop();
-      own_ = {MotionPhase::kFailed, "the motion is aborted (simulated)"};
-      return own_;
-    }
-    if (faults_.Now(FaultType::kStopsShort)) {
-      device_->Stop();
-      own_ = {MotionPhase::kReached, ""};
-      return own_;
-    }
+    if (status.phase != MotionPhase::kMoving) return Ended(status);
+    if (ending_ || !due) return status;
+    if (faults_.Now(FaultType::kAborts)) Fail("the motion is aborted (simulated)");
+    if (faults_.Now(FaultType::kStopsShort)) EndAs({MotionPhase::kReached, ""});
     return status;
   }
+
+  /// It brakes, and has failed for this reason once it stands.
+  void Fail(const std::string& reason) { EndAs({MotionPhase::kFailed, reason}); }
 
   /// From any thread. What has not set out ends in Status().
   void Stop() noexcept {
@@ -179,12 +180,29 @@ class FaultyMotion {
   }
 
  private:
+  void EndAs(const MotionStatus& status) {
+    if (!ending_) ending_ = status;
+    device_->Stop();
+  }
+
+  /// What a motion that the device has ended with `status` says.
+  MotionStatus Ended(const MotionStatus& status) {
+    if (ending_ && status.phase == MotionPhase::kStopped) return own_ = *ending_;
+    if (status.phase != MotionPhase::kReached || !faults_.Now(FaultType::kSlow)) return status;
+    const Time now = faults_.clock().Now();
+    if (!late_since_) late_since_ = now;
+    if (now < *late_since_ + kSlowPeriod) return {MotionPhase::kMoving, ""};
+    return status;
+  }
+
   Device* device_;
   Faults faults_;
   Time started_{};
   std::atomic<bool> stop_requested_{false};
-  MotionStatus own_;             // instead of the device's; idle: the device's holds
-  std::optional<Plan> waiting_;  // to set out
+  MotionStatus own_;                    // instead of the device's; idle: the device's holds
+  std::optional<MotionStatus> ending_;  // instead of the device's, once it stands
+  std::optional<Time> late_since_;      // when the device had arrived
+  std::optional<Plan> waiting_;         // to set out
 };
 
 class FaultyBase : public hal::Base {
@@ -202,11 +220,16 @@ class FaultyBase : public hal::Base {
     faults_.RequireOn(name);
     localisation_.RequireOn(name);
     hal::BaseState state = base_->State();
-    const bool frozen = localisation_.Now(FaultType::kStuck) || localisation_.Fails();
+    const bool slow =
+        localisation_.Now(FaultType::kSlow) && last_ && state.time < last_->time + kSlowPeriod;
+    const bool frozen = localisation_.Now(FaultType::kStuck) || localisation_.Fails() || slow;
     if (!frozen) last_ = state;
     if (frozen && last_) return *last_;
     if (localisation_.Now(FaultType::kGarbage)) state.X_WB = {kNan, state.X_WB.y, 0.0};
     if (localisation_.Now(FaultType::kWrong)) state.X_WB.x += kPlaceOffset;
+    if (localisation_.Now(FaultType::kClockJump)) state.time += kClockJump;
+    if (faults_.Now(FaultType::kGarbage)) state.X_OB = {kNan, state.X_OB.y, 0.0};
+    if (faults_.Now(FaultType::kWrong)) state.X_OB.x *= kOdometryScale;
     if (localisation_.Now(FaultType::kDelayed)) return Delayed(state);
     return state;
   }
@@ -249,6 +272,7 @@ class FaultyPanTilt : public hal::PanTilt {
     hal::PanTiltState state = head_->State();
     if (faults_.Now(FaultType::kGarbage)) state.angles = {kNan, kNan};
     if (faults_.Now(FaultType::kWrong)) state.angles.pan += kAngleOffset;
+    if (faults_.Now(FaultType::kClockJump)) state.time += kClockJump;
     return state;
   }
 
@@ -280,23 +304,43 @@ class FaultyArm : public hal::Arm {
     hal::ArmState state = arm_->State();
     if (faults_.Now(FaultType::kGarbage)) state.q.setConstant(kNan);
     if (faults_.Now(FaultType::kWrong)) state.q.array() += kAngleOffset;
+    if (faults_.Now(FaultType::kClockJump)) state.time += kClockJump;
     return state;
   }
 
   void Start(const hal::JointTrajectory& trajectory) override {
     faults_.RequireOn("arm '" + info().name + "'");
+    from_ = arm_->State().q;
     motion_.Start(trajectory);
   }
   MotionStatus Status() override {
     faults_.RequireOn("arm '" + info().name + "'");
+    const hal::JointInfo* joint = faults_.Now(FaultType::kAtLimit) ? NearLimit() : nullptr;
+    if (joint != nullptr) {
+      motion_.Fail("joint '" + joint->name + "' has come to its limit (simulated)");
+    }
     return motion_.Status();
   }
   void Stop() noexcept override { motion_.Stop(); }
 
  private:
+  /// The joint that this motion has brought nearer than it should come to its limit; null: none.
+  const hal::JointInfo* NearLimit() {
+    const Eigen::VectorXd q = arm_->State().q;
+    for (Eigen::Index i = 0; i < from_.size(); ++i) {
+      const hal::JointInfo& joint = info().joints[static_cast<std::size_t>(i)];
+      const auto room = [&](double angle) {
+        return std::min(angle - joint.lower, joint.upper - angle) / (joint.upper - joint.lower);
+      };
+      if (room(q[i]) < std::min(kNearLimit, room(from_[i]))) return &joint;
+    }
+    return nullptr;
+  }
+
   std::unique_ptr<hal::Arm> arm_;
   Faults faults_;
   FaultyMotion<hal::Arm, hal::JointTrajectory> motion_;
+  Eigen::VectorXd from_;  // where the last motion began
 };
 
 const char* ToString(FaultyPart part) {
@@ -343,6 +387,8 @@ const char* ToString(FaultType type) {
       return "aborts";
     case FaultType::kStopsShort:
       return "stops short";
+    case FaultType::kAtLimit:
+      return "at a limit";
   }
   return "";
 }
@@ -358,13 +404,18 @@ std::vector<Fault> AllFaults(bool with_arm) {
   const std::initializer_list<FaultType> camera{kOff,     kStuck,        kGarbage, kWrong,    kSlow,
                                                 kDelayed, kIntermittent, kBlind,   kClockJump};
   add(FaultyPart::kHeadCamera, camera);
-  add(FaultyPart::kHead, {kOff, kStuck, kGarbage, kWrong, kDelayed, kIntermittent, kRefuses});
-  add(FaultyPart::kBase, {kOff, kStuck, kDelayed, kIntermittent, kRefuses, kAborts, kStopsShort});
-  add(FaultyPart::kLocalisation, {kOff, kStuck, kGarbage, kWrong, kDelayed, kIntermittent});
+  const std::initializer_list<FaultType> actuator{kOff,          kStuck,     kGarbage, kWrong,
+                                                  kSlow,         kDelayed,   kRefuses, kAborts,
+                                                  kIntermittent, kStopsShort};
+  add(FaultyPart::kHead, actuator);
+  add(FaultyPart::kHead, {kClockJump});
+  add(FaultyPart::kBase, actuator);
+  add(FaultyPart::kLocalisation,
+      {kOff, kStuck, kGarbage, kWrong, kSlow, kDelayed, kIntermittent, kClockJump});
   if (!with_arm) return all;
   add(FaultyPart::kHandCamera, camera);
-  add(FaultyPart::kArm,
-      {kOff, kStuck, kGarbage, kWrong, kDelayed, kIntermittent, kRefuses, kAborts});
+  add(FaultyPart::kArm, actuator);
+  add(FaultyPart::kArm, {kClockJump, kAtLimit});
   return all;
 }
 

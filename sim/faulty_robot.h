@@ -18,14 +18,15 @@ enum class FaultType {
   kStuck,         ///< It says the same for ever; an actuator takes a motion, and never moves.
   kGarbage,       ///< What it measures is random or not finite.
   kWrong,         ///< It is off by a constant: by scale, in angle or in place.
-  kSlow,          ///< A camera: a frame in 3 s.
+  kSlow,          ///< A frame or a state in 3 s; a motion takes 3 s longer.
   kDelayed,       ///< It answers, or sets out, late.
   kIntermittent,  ///< It works half of the time.
   kBlind,         ///< A camera: no depth.
-  kClockJump,     ///< A camera: its stamps jump ahead by 5 s.
+  kClockJump,     ///< Its stamps jump ahead by 5 s.
   kRefuses,       ///< An actuator fails every motion before it moves.
-  kAborts,        ///< A base fails on its way.
-  kStopsShort,    ///< A base says on its way that it has arrived.
+  kAborts,        ///< An actuator fails on its way.
+  kStopsShort,    ///< An actuator says on its way that it has arrived.
+  kAtLimit,       ///< An arm fails where a joint comes near its limit.
 };
 
 /// One fault of one part, for a while of robot time.

@@ -4,7 +4,9 @@
 #include <numbers>
 
 #include "lib/common/check_range.h"
+#include "lib/common/error.h"
 #include "lib/common/yaml_reader.h"
+#include "lib/kinematics/calibration_file.h"
 #include "sim/sim_arm.h"
 #include "sim/sim_base.h"
 #include "sim/sim_clock.h"
@@ -90,6 +92,23 @@ ArmSetup LoadArm(const SimArmConfig& config) {
   return setup;
 }
 
+namespace {
+
+/// Lets the robot take `file` for where what it carries sits.
+void GoBy(const std::string& file, SimulatedRobot* simulated) {
+  const kinematics::Calibration calibration = kinematics::LoadCalibration(file);
+  simulated->calibration = calibration.head;
+  if (simulated->hand) {
+    if (!calibration.X_EC) {
+      Throw<ConfigError>("{}: has no X_EC: where the camera sits in the hand", file);
+    }
+    simulated->hand->X_EC = *calibration.X_EC;
+  }
+  if (simulated->X_EL && calibration.X_EL) simulated->X_EL = calibration.X_EL;
+}
+
+}  // namespace
+
 void SimConfig::Validate() const { ParseCameraFault(camera_fault); }
 
 SimulatedRobot MakeSimulatedRobot(const Scene& scene, const SimConfig& config, std::uint64_t seed) {
@@ -116,6 +135,7 @@ SimulatedRobot MakeSimulatedRobot(const Scene& scene, const SimConfig& config, s
       simulated.robot.striper = std::make_unique<SimStriper>(world, seed);
     }
   }
+  if (!config.calibration.empty()) GoBy(config.calibration, &simulated);
   return simulated;
 }
 

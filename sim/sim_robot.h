@@ -75,10 +75,14 @@ struct SimConfig {
   NoiseConfig noise;                             ///< A scene's own 'noise' goes over it.
   std::string camera_fault{"none"};              ///< none, nan, nothing or lost; see CameraFault.
   std::optional<SimArmConfig> arm;               ///< None: it has no arm.
+  /// The calibration file that the robot goes by; "": the nominal one. Where its cameras and its
+  /// laser truly sit does not change by it.
+  std::string calibration;
 
   template <class A>
   void Serialize(A* a) {
     a->Visit("scene", &scene);
+    a->Visit("calibration", &calibration);
     a->Visit("noise", &noise);
     a->Visit("camera_fault", &camera_fault);
     a->Visit("arm", &arm);
@@ -94,13 +98,14 @@ CameraFault ParseCameraFault(const std::string& text);
 struct SimulatedRobot {
   std::unique_ptr<World> world;
   hal::Robot robot;
-  kinematics::HeadCalibration calibration;    ///< Nominal, as a calibration file would say.
+  kinematics::HeadCalibration calibration;    ///< Nominal, or as a calibration file says.
   std::optional<kinematics::EyeInHand> hand;  ///< Likewise; empty: it has no arm.
   std::optional<Pose> X_EL;                   ///< Likewise, of the striper.
 };
 
 /// Puts a robot into `scene` (config.scene is not read). All its errors are drawn from `seed`.
-/// @throws ConfigError naming the object whose mesh cannot be read, or the wrong noise.
+/// @throws ConfigError naming the object whose mesh cannot be read, the wrong noise, or what is
+/// wrong with the calibration file.
 SimulatedRobot MakeSimulatedRobot(const Scene& scene, const SimConfig& config, std::uint64_t seed);
 
 }  // namespace secondlook::sim

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -10,24 +12,31 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "apps/arm_looks.h"
+#include "apps/board_looks.h"
+#include "apps/capture.h"
 #include "apps/commands/commands.h"
 #include "apps/make_robot.h"
 #include "apps/run_config.h"
 #include "apps/stop_signal.h"
 #include "lib/common/error.h"
+#include "lib/hal/guard.h"
+#include "lib/kinematics/calibrate_hand.h"
 #include "lib/kinematics/calibrate_head.h"
 #include "lib/kinematics/calibration_file.h"
 #include "lib/perception/board.h"
+#include "lib/world/voxel_space.h"
 
 namespace secondlook::apps {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr Duration kPoll = Seconds(0.05);
-constexpr Duration kSettle = Seconds(0.3);   // until the head no longer swings
-constexpr Duration kPatience = Seconds(20);  // with one motion, and with one frame
-constexpr int kSignalStatus = 128;           // plus the signal
-constexpr int kRounds = 9;                   // the angles err anew each time
+constexpr int kSignalStatus = 128;  // plus the signal
+constexpr int kRounds = 9;          // the head's angles err anew each time
+constexpr int kHandRounds = 5;      // and so does an arm
+constexpr double kNearer = 0.8;     // than where the board fills the image's width
+constexpr double kFarther = 1.1;
+constexpr int kStride = 2;  // pixels of a depth image that enter the map
 
 struct CalibrateOptions {
   std::string config;
@@ -36,65 +45,9 @@ struct CalibrateOptions {
   perception::Board board;
   std::string board_image;
   double encoder_sigma_deg{0.1};
-};
-
-/// A signal has asked for a stop.
-struct Stopped {};
-
-/// The head and its camera, which look at a board that stands still.
-class BoardWatcher {
- public:
-  BoardWatcher(hal::Robot* robot, const perception::Board& board) : robot_(robot), board_(board) {}
-
-  /// Turns the head to `target` and looks. Empty when the board is not in sight.
-  /// @throws DeviceError, Stopped; the robot stands still then.
-  std::optional<kinematics::BoardView> LookFrom(const hal::PanTiltAngles& target) {
-    Turn(target);
-    const Time still = robot_->clock->Now() + kSettle;
-    robot_->clock->SleepUntil(still);
-    const hal::RgbdFrame frame = Grab(still);
-    const hal::PanTiltAngles at = robot_->head->State().angles;
-    const auto seen = perception::FindBoard(frame.color, robot_->head_camera->info().model, board_);
-    if (!seen) return std::nullopt;
-    return kinematics::BoardView{{at.pan, at.tilt}, seen->corners, seen->points_P, seen->X_CP};
-  }
-
- private:
-  void Turn(const hal::PanTiltAngles& target) {
-    const Time deadline = robot_->clock->Now() + kPatience;
-    robot_->head->Start(target);
-    hal::MotionStatus status = robot_->head->Status();
-    for (; status.phase == hal::MotionPhase::kMoving; status = robot_->head->Status()) {
-      if (StopSignal() != 0) {
-        robot_->Stop();
-        throw Stopped{};
-      }
-      if (robot_->clock->Now() > deadline) {
-        robot_->Stop();
-        Throw<DeviceError>("{}: still moving after {} s", robot_->head->info().name,
-                           ToSeconds(kPatience));
-      }
-      robot_->clock->SleepUntil(robot_->clock->Now() + kPoll);
-    }
-    if (status.phase != hal::MotionPhase::kReached) {
-      Throw<DeviceError>("{}: did not turn: {}", robot_->head->info().name, status.reason);
-    }
-  }
-
-  /// The first frame that was taken after `still`.
-  hal::RgbdFrame Grab(Time still) {
-    const Time deadline = robot_->clock->Now() + kPatience;
-    while (robot_->clock->Now() < deadline) {
-      if (StopSignal() != 0) throw Stopped{};
-      std::optional<hal::RgbdFrame> frame = robot_->head_camera->Grab(Seconds(1.0));
-      if (frame && frame->time >= still) return *std::move(frame);
-    }
-    Throw<DeviceError>("camera '{}': no new frame in {} s", robot_->head_camera->info().name,
-                       ToSeconds(kPatience));
-  }
-
-  hal::Robot* robot_;
-  const perception::Board& board_;
+  bool hand{};
+  double arm_sigma_mm{1.0};
+  double arm_sigma_deg{0.1};
 };
 
 /// The angles from `middle` by steps of `pan` and `tilt`, that the head can reach.
@@ -113,7 +66,7 @@ std::vector<hal::PanTiltAngles> Grid(const hal::PanTiltInfo& info, hal::PanTiltA
 /// The angles at which the board is in the middle of the image.
 /// @throws ConfigError when the head sees none, wherever it looks.
 hal::PanTiltAngles FindMiddle(const kinematics::HeadCalibration& nominal, hal::Robot* robot,
-                              BoardWatcher* watcher) {
+                              BoardLooks* looks) {
   const hal::PanTiltAngles now = robot->head->State().angles;
   std::vector<hal::PanTiltAngles> places{now};
   for (const auto& place :
@@ -121,14 +74,15 @@ hal::PanTiltAngles FindMiddle(const kinematics::HeadCalibration& nominal, hal::R
     places.push_back(place);
   }
   for (const hal::PanTiltAngles& place : places) {
-    const std::optional<kinematics::BoardView> view = watcher->LookFrom(place);
+    const std::optional<kinematics::BoardView> view = looks->WithHead(place);
     if (!view) continue;
     Eigen::Vector3d middle_P = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& p_P : view->points_P) {
-      middle_P += p_P / static_cast<double>(view->points_P.size());
+    const kinematics::SightedBoard& board = view->board;
+    for (const Eigen::Vector3d& p_P : board.points_P) {
+      middle_P += p_P / static_cast<double>(board.points_P.size());
     }
     const Pose X_BC = CameraInBase(nominal, view->head);
-    const auto angles = kinematics::AimAt(nominal, X_BC * (view->X_CP * middle_P));
+    const auto angles = kinematics::AimAt(nominal, X_BC * (board.X_CP * middle_P));
     return angles ? hal::PanTiltAngles{angles->pan, angles->tilt} : place;
   }
   Throw<ConfigError>(
@@ -137,16 +91,130 @@ hal::PanTiltAngles FindMiddle(const kinematics::HeadCalibration& nominal, hal::R
       places.size());
 }
 
-void PrintResult(const kinematics::Calibration& calibration,
-                 const kinematics::HeadCalibration& nominal) {
-  const Pose& X_HC = calibration.head.X_HC;
-  const kinematics::CalibrationResiduals& residuals = *calibration.residuals;
+void Print(const char* camera, const kinematics::CalibrationResiduals& residuals, const Pose& X_EC,
+           const Pose& X_EC_nominal) {
   fmt::print(
-      "{} views, {:.2f} px: known to {:.1f} mm and {:.2f} deg\n"
-      "the camera sits {:.1f} mm and {:.2f} deg from where it was taken to be\n",
-      residuals.views, residuals.pixels, residuals.millimetres, residuals.degrees,
-      1e3 * (X_HC.translation() - nominal.X_HC.translation()).norm(),
-      RotationDistance(X_HC.linear(), nominal.X_HC.linear()) / kDegree);
+      "{}: {} views, {:.2f} px: known to {:.1f} mm and {:.2f} deg; it sits {:.1f} mm and {:.2f} "
+      "deg "
+      "from where it was taken to be\n",
+      camera, residuals.views, residuals.pixels, residuals.millimetres, residuals.degrees,
+      1e3 * (X_EC.translation() - X_EC_nominal.translation()).norm(),
+      RotationDistance(X_EC.linear(), X_EC_nominal.linear()) / kDegree);
+}
+
+/// All that the calibration file holds of `ready` so far.
+kinematics::Calibration Before(const ReadyRobot& ready) {
+  kinematics::Calibration calibration{ready.calibration, {}, {}};
+  if (ready.hand) calibration.X_EC = ready.hand->X_EC;
+  calibration.X_EL = ready.X_EL;
+  return calibration;
+}
+
+/// Where the camera on the head sits. The head looks at the board in the end.
+kinematics::Calibration CalibrateHeadOf(ReadyRobot* ready, const CalibrateOptions& options,
+                                        BoardLooks* looks,
+                                        std::vector<kinematics::BoardView>* views) {
+  const hal::PanTiltAngles middle = FindMiddle(ready->calibration, &ready->robot, looks);
+  const std::vector<hal::PanTiltAngles> grid =
+      Grid(ready->robot.head->info(), middle, 20.0 * kDegree, 1, 15.0 * kDegree, 1);
+  for (int round = 0; round < kRounds; ++round) {
+    for (const hal::PanTiltAngles& angles : grid) {
+      std::optional<kinematics::BoardView> view = looks->WithHead(angles);
+      if (view) views->push_back(*std::move(view));
+    }
+  }
+  looks->WithHead(middle);
+  return CalibrateHead(*views, ready->robot.head_camera->info().model, ready->calibration,
+                       options.encoder_sigma_deg * kDegree);
+}
+
+/// What the head sees of the space in which the arm is to move, around where it looks now. It looks
+/// there again in the end.
+world::VoxelSpace MapAround(ReadyRobot* ready, const kinematics::HeadCalibration& calibration,
+                            BoardLooks* looks) {
+  Capturer capturer(&ready->robot, calibration);
+  capturer.KnowArm(*ready->hand);
+  world::VoxelSpace space;
+  const hal::PanTiltAngles middle = ready->robot.head->State().angles;
+  std::vector<hal::PanTiltAngles> around =
+      Grid(ready->robot.head->info(), middle, 35.0 * kDegree, 1, 25.0 * kDegree, 1);
+  around.push_back(middle);
+  for (const hal::PanTiltAngles& angles : around) {
+    looks->WithHead(angles);
+    const std::optional<Capture> capture = capturer.Take(Seconds(1.0));
+    if (capture) space.Insert(capture->frame.depth, capture->camera, capture->X_WC, kStride);
+  }
+  return space;
+}
+
+/// `config` with views from where the board fills the image's width, and a little nearer and
+/// farther.
+ArmLooksConfig FromWhereItFills(const geometry::CameraModel& camera, const perception::Board& board,
+                                ArmLooksConfig config) {
+  const double filled = board.columns * board.square * camera.fx / camera.width;
+  config.views.inner_distance_m = kNearer * filled;
+  config.views.outer_distance_m = kFarther * filled;
+  return config;
+}
+
+/// @throws ConfigError when the arm can take none of these looks, with what is in its way.
+void RequireLooks(const std::vector<world::Look>& looks) {
+  const auto feasible = std::count_if(looks.begin(), looks.end(),
+                                      [](const world::Look& look) { return look.feasible; });
+  fmt::print("the arm can take {} of {} looks at the board\n", feasible, looks.size());
+  if (feasible > 0) return;
+  std::map<std::string, int> refused;  // by the check
+  for (const world::Look& look : looks) ++refused[look.checks.back().name];
+  std::string counts;
+  for (const auto& [check, count] : refused) {
+    counts += fmt::format("{}{} by '{}'", counts.empty() ? "" : ", ", count, check);
+  }
+  Throw<ConfigError>(
+      "the arm can take no look at the board where it is ({}; the first: {}): put the board where "
+      "the arm can reach around it, and where the head sees the space between",
+      counts, looks.front().reason);
+}
+
+/// Where the camera in the hand sits, from looks that the arm takes at the board, through space
+/// that the head has seen to be free.
+kinematics::HandCalibration CalibrateHandOf(ReadyRobot* ready, const RunConfig& config,
+                                            const CalibrateOptions& options,
+                                            const kinematics::HeadCalibration& head,
+                                            const std::vector<kinematics::BoardView>& views,
+                                            BoardLooks* looks) {
+  hal::Robot& robot = ready->robot;
+  const world::VoxelSpace space = MapAround(ready, head, looks);
+  const Stance stance{robot.base->State().X_WB, robot.head->State().angles, robot.arm->State().q,
+                      robot.clock->Now()};
+  hal::CameraInfo camera = robot.hand_camera->info();
+  camera.has_depth = false;  // which it may be too near for
+  ArmLooks arm(FromWhereItFills(camera.model, options.board, config.mission.looks.arm),
+               {robot.base->info(), robot.arm->info(), camera, *ready->hand}, stance.q,
+               config.seed);
+  const Pose X_BC = CameraInBase(head, views.front().head);
+  const Eigen::Vector3d p_WP =
+      ToPose(stance.X_WB) * X_BC * views.front().board.X_CP *
+      Eigen::Vector3d(0.5 * options.board.columns * options.board.square,
+                      0.5 * options.board.rows * options.board.square, 0.0);
+  const std::vector<world::Look> around =
+      arm.Views(p_WP, 0, stance, arm.CollisionAt(stance, space, {}));
+  RequireLooks(around);
+  std::vector<kinematics::HandView> seen;
+  for (int round = 0; round < kHandRounds; ++round) {
+    for (const world::Look& look : around) {
+      if (!look.feasible) continue;
+      looks->MoveArm(look.arm_motion);
+      std::optional<kinematics::HandView> view = looks->WithHand();
+      if (view) seen.push_back(*std::move(view));
+      const Eigen::VectorXd q = robot.arm->State().q;
+      arm.Follow(look.arm_motion, q);
+      const hal::JointTrajectory folding = arm.Folding(q);
+      looks->MoveArm(folding);
+      arm.Follow(folding, robot.arm->State().q);
+    }
+  }
+  return CalibrateHand(seen, robot.hand_camera->info().model, ready->hand->arm,
+                       {1e-3 * options.arm_sigma_mm, options.arm_sigma_deg * kDegree});
 }
 
 int Calibrate(const CalibrateOptions& options) try {
@@ -164,22 +232,27 @@ int Calibrate(const CalibrateOptions& options) try {
   }
   CatchStopSignals();
   const RunConfig config = LoadRunConfig(options.config, options.overrides);
+  hal::Guard guard(config.safety.limits);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
-  BoardWatcher watcher(&ready.robot, options.board);
-  const hal::PanTiltAngles middle = FindMiddle(ready.calibration, &ready.robot, &watcher);
-  std::vector<kinematics::BoardView> views;
-  const std::vector<hal::PanTiltAngles> grid =
-      Grid(ready.robot.head->info(), middle, 20.0 * kDegree, 1, 15.0 * kDegree, 1);
-  for (int round = 0; round < kRounds; ++round) {
-    for (const hal::PanTiltAngles& angles : grid) {
-      std::optional<kinematics::BoardView> view = watcher.LookFrom(angles);
-      if (view) views.push_back(*std::move(view));
-    }
+  if (options.hand && !ready.hand) {
+    Throw<ConfigError>("--hand: the robot of {} has no arm with a camera in its hand",
+                       options.config);
   }
-  const kinematics::Calibration calibration =
-      CalibrateHead(views, ready.robot.head_camera->info().model, ready.calibration,
-                    options.encoder_sigma_deg * kDegree);
-  PrintResult(calibration, ready.calibration);
+  ready.robot = guard.Protect(std::move(ready.robot));
+  BoardLooks looks(&ready.robot, options.board);
+  kinematics::Calibration calibration = Before(ready);
+  std::vector<kinematics::BoardView> views;
+  const kinematics::Calibration found = CalibrateHeadOf(&ready, options, &looks, &views);
+  calibration.head = found.head;
+  calibration.residuals = found.residuals;
+  Print("head camera", *calibration.residuals, found.head.X_HC, ready.calibration.X_HC);
+  if (options.hand) {
+    const kinematics::HandCalibration hand =
+        CalibrateHandOf(&ready, config, options, found.head, views, &looks);
+    calibration.X_EC = hand.X_EC;
+    calibration.hand_residuals = hand.residuals;
+    Print("hand camera", hand.residuals, hand.X_EC, ready.hand->X_EC);
+  }
   SaveCalibration(calibration, options.out);
   fmt::print("{}: written\n", options.out);
   return kDone;
@@ -191,7 +264,7 @@ int Calibrate(const CalibrateOptions& options) try {
 
 void AddCalibrate(CLI::App* app, int* status) {
   CLI::App* calibrate = app->add_subcommand(
-      "calibrate", "Turns the head before a ChArUco board and writes where its camera sits");
+      "calibrate", "Looks at a ChArUco board and writes where the cameras of head and hand sit");
   const auto options = std::make_shared<CalibrateOptions>();  // outlives this in the callback
   calibrate->add_option("--config", options->config, "Configuration, YAML");
   calibrate
@@ -211,6 +284,16 @@ void AddCalibrate(CLI::App* app, int* status) {
   calibrate
       ->add_option("--encoder-sigma-deg", options->encoder_sigma_deg,
                    "By which the head's angles err")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 5.0));
+  calibrate->add_flag("--hand", options->hand,
+                      "The camera in the arm's hand, too: this moves the arm");
+  calibrate
+      ->add_option("--arm-sigma-mm", options->arm_sigma_mm,
+                   "By which the arm errs, along each axis")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 50.0));
+  calibrate->add_option("--arm-sigma-deg", options->arm_sigma_deg, "Likewise, about each axis")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 5.0));
   calibrate->add_option("--board-image", options->board_image,

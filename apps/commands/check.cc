@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -16,8 +17,10 @@
 #include "apps/real_robot.h"
 #include "apps/run_config.h"
 #include "lib/common/error.h"
+#include "lib/geometry/point_image.h"
 #include "lib/hal/drivers/live_clock.h"
 #include "lib/kinematics/calibration_file.h"
+#include "lib/perception/segment.h"
 #include "lib/world/object_database.h"
 #include "sim/scene.h"
 #include "sim/standing_room.h"
@@ -27,6 +30,10 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kRateSeconds = 1.0;  // for which frames are counted
+/// So far apart the cameras of head and hand may see one table: the simulated robot's errors before
+/// it is calibrated, at 1 m.
+constexpr double kSameHeight = 0.02;  // [m]
+constexpr double kSameTilt_deg = 2.0;
 
 struct CheckOptions {
   std::string config;
@@ -264,6 +271,61 @@ std::string CheckBase(hal::Base* base) {
                      X_WB.x, X_WB.y, X_WB.yaw * kDegrees, info.radius, info.speed);
 }
 
+/// What `way`'s camera sees of the table where it is, in W; without one, `reason` says why.
+std::optional<world::SupportPlane> TableSeen(const MissionConfig& config, Capturer* capturer,
+                                             world::LookWay way, std::string* reason) {
+  const UnderstandingConfig& understanding = config.understanding;
+  const std::optional<Capture> capture = capturer->Take(Seconds(config.looks.frame_timeout_s), way);
+  if (!capture) {
+    *reason = "no frame came";
+    return std::nullopt;
+  }
+  const Pose& X_WC = capture->X_WC;
+  const Eigen::Vector3d up_C = X_WC.linear().transpose() * Eigen::Vector3d::UnitZ();
+  const perception::Segmentation seen = perception::Segment(
+      geometry::Deproject(capture->frame.depth, capture->camera), up_C, understanding.segment,
+      X_WC.translation().z() - understanding.floor_clearance_m);
+  if (seen.plane_C) return Transform(X_WC, *seen.plane_C);
+  *reason = seen.reason;
+  return std::nullopt;
+}
+
+/// Whether the cameras of head and hand put the table in the same place. That they both see one is
+/// not asked for: nothing moves here.
+/// @throws DeviceError when they do not, with what to do about it.
+std::string CheckSameTable(const MissionConfig& config, hal::Robot* robot,
+                           const kinematics::HeadCalibration& calibration,
+                           const kinematics::EyeInHand& hand) {
+  Capturer capturer(robot, calibration);
+  capturer.KnowArm(hand);
+  std::string reason;
+  const auto by_head = TableSeen(config, &capturer, world::LookWay::kHead, &reason);
+  if (!by_head) {
+    return fmt::format("not compared, as the head's camera sees none: {}; turn it to the table",
+                       reason);
+  }
+  const auto by_hand = TableSeen(config, &capturer, world::LookWay::kArm, &reason);
+  if (!by_hand) {
+    return fmt::format(
+        "not compared, as the hand's camera sees none: {}; move the arm by hand so that it looks "
+        "at the table",
+        reason);
+  }
+  Eigen::Vector3d middle_W = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& corner_W : by_hand->corners_A) middle_W += corner_W / 4.0;
+  const double apart = by_head->HeightOf(middle_W);
+  const double tilted =
+      kDegrees * std::acos(std::clamp(by_head->normal_A.dot(by_hand->normal_A), -1.0, 1.0));
+  const std::string what = fmt::format(
+      "the hand's camera sees it {:.1f} mm {} than the head's, and tilted by {:.1f} deg",
+      1e3 * std::abs(apart), apart < 0.0 ? "lower" : "higher", tilted);
+  if (std::abs(apart) <= kSameHeight && tilted <= kSameTilt_deg) return what;
+  Throw<DeviceError>(
+      "{}; {:.0f} mm and {:.0f} deg are usual: calibrate both with `secondlook calibrate --hand`, "
+      "and check that both look at the same table",
+      what, 1e3 * kSameHeight, kSameTilt_deg);
+}
+
 /// A real robot, each device by itself, so that one that does not answer does not hide the next.
 void CheckRealRobot(const RunConfig& config, const RealConfig& real, Checklist* list) {
   kinematics::Calibration calibration;
@@ -271,28 +333,42 @@ void CheckRealRobot(const RunConfig& config, const RealConfig& real, Checklist* 
     calibration = kinematics::LoadCalibration(real.calibration);
     return CheckCalibration(calibration.head) + CheckResiduals(calibration.residuals);
   });
-  const hal::LiveClock clock;
-  RealDevices devices(real, &clock);
+  hal::Robot robot;  // what is there of it
+  robot.clock = std::make_unique<hal::LiveClock>();
+  RealDevices devices(real, robot.clock.get());
   const auto check_frames = [&](const std::string& prefix, hal::Camera* camera) {
     list->Check(prefix + "frame", [&] { return CheckFrame(config.mission.looks, camera); });
-    list->Check(prefix + "rate", [&] { return CheckRate(camera, clock); });
+    list->Check(prefix + "rate", [&] { return CheckRate(camera, *robot.clock); });
   };
-  std::unique_ptr<hal::Camera> camera;
   const bool sees = list->Check("camera", [&] {
-    camera = devices.OpenCamera();
-    return CheckCamera(camera->info());
+    robot.head_camera = devices.OpenCamera();
+    return CheckCamera(robot.head_camera->info());
   });
-  if (sees) check_frames("", camera.get());
-  list->Check("pan-tilt", [&] { return CheckHead(devices.OpenHead().get()); });
-  list->Check("base", [&] { return CheckBase(devices.OpenBase().get()); });
+  if (sees) check_frames("", robot.head_camera.get());
+  const bool turns = list->Check("pan-tilt", [&] {
+    robot.head = devices.OpenHead();
+    return CheckHead(robot.head.get());
+  });
+  const bool stands = list->Check("base", [&] {
+    robot.base = devices.OpenBase();
+    return CheckBase(robot.base.get());
+  });
   if (!real.arm) return;
-  list->Check("arm", [&] { return CheckArm(devices.OpenArm().get()); });
-  std::unique_ptr<hal::Camera> hand_camera;
-  const bool hand_sees = list->Check("hand camera", [&] {
-    hand_camera = devices.OpenHandCamera();
-    return CheckHandCamera(hand_camera->info(), LoadArm(*real.arm, calibration));
+  const bool reaches = list->Check("arm", [&] {
+    robot.arm = devices.OpenArm();
+    return CheckArm(robot.arm.get());
   });
-  if (hand_sees) check_frames("hand ", hand_camera.get());
+  std::optional<kinematics::EyeInHand> hand;
+  const bool hand_sees = list->Check("hand camera", [&] {
+    robot.hand_camera = devices.OpenHandCamera();
+    hand = LoadArm(*real.arm, calibration);
+    return CheckHandCamera(robot.hand_camera->info(), *hand);
+  });
+  if (hand_sees) check_frames("hand ", robot.hand_camera.get());
+  if (sees && turns && stands && reaches && hand_sees && robot.hand_camera->info().has_depth) {
+    list->Check("same table",
+                [&] { return CheckSameTable(config.mission, &robot, calibration.head, *hand); });
+  }
   if (!real.arm->striper) return;
   list->Check("striper",
               [&] { return CheckStriper(devices.OpenStriper().get(), LaserOnArm(calibration)); });
@@ -322,6 +398,11 @@ void CheckRobot(const RunConfig& config, Checklist* list) {
               [&] { return CheckHandCamera(robot.hand_camera->info(), *ready->hand); });
   list->Check("hand frame",
               [&] { return CheckFrame(config.mission.looks, robot.hand_camera.get()); });
+  if (robot.hand_camera->info().has_depth) {
+    list->Check("same table", [&] {
+      return CheckSameTable(config.mission, &robot, ready->calibration, *ready->hand);
+    });
+  }
   if (!robot.striper) return;
   list->Check("striper", [&] { return CheckStriper(robot.striper.get(), *ready->X_EL); });
 }

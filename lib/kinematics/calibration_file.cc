@@ -38,6 +38,7 @@ struct FileText {
   std::optional<PoseText> X_EC;
   std::optional<PoseText> X_EL;
   std::optional<CalibrationResiduals> residuals;
+  std::optional<CalibrationResiduals> hand_residuals;
 
   template <class A>
   void Serialize(A* a) {
@@ -46,6 +47,7 @@ struct FileText {
     a->Visit("X_EC", &X_EC);
     a->Visit("X_EL", &X_EL);
     a->Visit("residuals", &residuals);
+    a->Visit("hand_residuals", &hand_residuals);
   }
   void Validate() const {
     if (!X_BH0) Throw<ConfigError>("'X_BH0' is missing: the pan-tilt head's mount in the base");
@@ -72,6 +74,7 @@ Calibration LoadCalibration(const std::filesystem::path& file) {
   FileText text;
   ApplyLayer(ReadYamlFile(file), &text);
   Calibration calibration{{ToPose(*text.X_BH0), ToPose(*text.X_HC)}, {}, text.residuals};
+  calibration.hand_residuals = text.hand_residuals;
   if (text.X_EC) calibration.X_EC = ToPose(*text.X_EC);
   if (text.X_EL) calibration.X_EL = ToPose(*text.X_EL);
   return calibration;
@@ -82,6 +85,7 @@ void SaveCalibration(const Calibration& calibration, const std::filesystem::path
   text.X_BH0 = ToText(calibration.head.X_BH0);
   text.X_HC = ToText(calibration.head.X_HC);
   text.residuals = calibration.residuals;
+  text.hand_residuals = calibration.hand_residuals;
   if (calibration.X_EC) text.X_EC = ToText(*calibration.X_EC);
   if (calibration.X_EL) text.X_EL = ToText(*calibration.X_EL);
   WriteFile(file, ToYaml(text));

@@ -12,7 +12,7 @@ namespace secondlook::kinematics {
 struct CalibrationResiduals {
   int views{};           ///< That it rests on.
   double pixels{};       ///< Of the board's corners, root mean square.
-  double millimetres{};  ///< Standard deviation of the camera's place in the base …
+  double millimetres{};  ///< Standard deviation of the camera's place on what carries it …
   double degrees{};      ///< … and of its direction, by the residuals.
 
   template <class A>
@@ -28,8 +28,9 @@ struct CalibrationResiduals {
 struct Calibration {
   HeadCalibration head;
   std::optional<Pose> X_EC;  ///< Of a camera in the hand, in the end-effector E.
-  std::optional<CalibrationResiduals> residuals;
-  std::optional<Pose> X_EL{};  ///< Of a laser striper on the end-effector.
+  std::optional<CalibrationResiduals> residuals;  ///< Of X_HC.
+  std::optional<Pose> X_EL{};                     ///< Of a laser striper on the end-effector.
+  std::optional<CalibrationResiduals> hand_residuals{};  ///< Of X_EC.
 };
 
 /// @throws ConfigError naming the file and the transform that is missing or none.

@@ -128,16 +128,20 @@ const std::string* SharedName(const std::vector<ObjectModel>& models) {
   return nullptr;
 }
 
+/// True for the name of something that lies in a folder, and in no other.
+bool IsPlain(const std::string& name) {
+  return !name.empty() && name.front() != '.' &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) {
+           return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+         });
+}
+
 void CheckName(const std::string& name) {
   if (name == "unknown") {
     throw ConfigError(
         "model name 'unknown' is what an object is called that no model fits; choose another");
   }
-  const bool plain = !name.empty() && name.front() != '.' &&
-                     std::all_of(name.begin(), name.end(), [](unsigned char c) {
-                       return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
-                     });
-  if (!plain) {
+  if (!IsPlain(name)) {
     Throw<ConfigError>(
         "model name '{}' is no plain file name: use letters, digits, '_', '-' and '.', and do not "
         "begin with '.'",
@@ -267,6 +271,12 @@ ObjectModel ReadModel(const fs::path& folder) {
   const Metadata metadata = ReadMetadata(file);
   if (metadata.name.empty() || metadata.mesh.empty()) {
     Throw<ConfigError>("{}: name and mesh must both be given", file.string());
+  }
+  if (!IsPlain(metadata.name) || !IsPlain(metadata.mesh)) {
+    Throw<ConfigError>(
+        "{}: name '{}' and mesh '{}' must be plain file names: letters, digits, '_', '-' and '.', "
+        "not '.' at the beginning",
+        file.string(), metadata.name, metadata.mesh);
   }
   geometry::LengthUnit unit{};
   try {

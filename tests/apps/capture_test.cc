@@ -72,6 +72,14 @@ TEST_F(Capturing, GivesUpOnACameraWhoseStampsLieInTheFuture) {
   EXPECT_THROWS(capturer_.Take(Seconds(1.0)), DeviceError, "ahead of the robot's clock");
 }
 
+TEST_F(Capturing, GivesUpOnDevicesWhoseStampsLieInTheFuture) {
+  // Between a state of now and one of the future all that is asked for would be a guess.
+  world_.now = Time(Seconds(10.0));
+  world_.state_lag = Seconds(-5.0);
+  EXPECT_THROWS(capturer_.Poll(), DeviceError,
+                "base 'wheels': its newest state is stamped 5.000 s ahead of the robot's clock");
+}
+
 TEST_F(Capturing, GivesUpOnABaseWhoseStampsDoNotCoverTheFrame) {
   world_.state_lag = Seconds(5.0);
   world_.now = Time(Seconds(10.0));

@@ -61,9 +61,28 @@ TEST_F(Check, NamesTheArmAndTheCameraInItsHand) {
   EXPECT_THAT(result.out, ContainsRegex("ok +hand camera +'hand': 640 x 480 pixels, with depth"));
   EXPECT_THAT(result.out, ContainsRegex("ok +hand frame +'hand': frame 1 came"));
 
+  EXPECT_THAT(result.out, ContainsRegex("ok +same table +not compared, as the hand's camera"));
+
   const ProgramResult wrong = Run({arm + ", tip: gripper}"});
   EXPECT_EQ(wrong.status, 2);
   EXPECT_THAT(wrong.out, ContainsRegex("WRONG +robot +robot 'arm' has no link 'gripper'"));
+}
+
+TEST_F(Check, ComparesWhereTheCamerasOfHeadAndHandSeeTheTable) {
+  // The hand is held up and looks ahead and down, as the head does.
+  const std::string home =
+      "robot.arm={urdf: sim/robots/arm.urdf, home_deg: [0, -10, 0, -70, 0, 52, 0]}";
+  const ProgramResult same = Run({home});
+  EXPECT_EQ(same.status, 0) << same.out;
+  EXPECT_THAT(same.out, ContainsRegex("ok +same table +the hand's camera sees it [0-9]"));
+
+  WriteFile(world_ / "c.yaml",
+            "X_BH0: {position: [0, 0, 1.25]}\nX_HC: {rpy_deg: [-90, 0, -90]}\n"
+            "X_EC: {position: [0.06, 0, 0.032], rpy_deg: [4, 4, 0]}\n");
+  const ProgramResult off = Run({home, "robot.calibration=" + (world_ / "c.yaml").string()});
+  EXPECT_EQ(off.status, 3) << off.out;
+  EXPECT_THAT(off.out, ContainsRegex("WRONG +same table +the hand's camera sees it [0-9.]+ mm "));
+  EXPECT_THAT(off.out, HasSubstr("calibrate both with `secondlook calibrate --hand`"));
 }
 
 TEST_F(Check, FindsARobotOrAPersonThatWouldStandInSomething) {

@@ -37,16 +37,16 @@ struct Rig {
                                  head.tilt + rng.Gaussian(encoder)};
       BoardView view;
       view.head = head;
-      view.X_CP = CameraInBase(nominal, head).inverse() * X_BP;
+      view.board.X_CP = CameraInBase(nominal, head).inverse() * X_BP;
       const Pose X_CP = CameraInBase(truth, true_head).inverse() * X_BP;
       for (int x = -3; x <= 3; ++x) {
         for (int y = -2; y <= 2; ++y) {
           const Eigen::Vector3d p_P(0.08 * x, 0.08 * y, 0.0);
           const auto pixel = kCamera.Project(X_CP * p_P);
           if (!pixel) continue;
-          view.points_P.push_back(p_P);
-          view.corners.emplace_back(pixel->x() + rng.Gaussian(pixels),
-                                    pixel->y() + rng.Gaussian(pixels));
+          view.board.points_P.push_back(p_P);
+          view.board.corners.emplace_back(pixel->x() + rng.Gaussian(pixels),
+                                          pixel->y() + rng.Gaussian(pixels));
         }
       }
       views.push_back(view);
@@ -97,7 +97,7 @@ TEST(CalibrateHead, RefusesViewsThatDoNotTell) {
 TEST(CalibrateHead, RefusesABoardOfAnotherSize) {
   Rig rig(1, 12, 0.25, 0.2, 0.0);
   for (BoardView& view : rig.views) {
-    for (Eigen::Vector3d& p_P : view.points_P) p_P.x() *= 1.4;
+    for (Eigen::Vector3d& p_P : view.board.points_P) p_P.x() *= 1.4;
   }
   EXPECT_THROWS(CalibrateHead(rig.views, kCamera, rig.nominal, 0.1 * kDegree), InvalidArgument,
                 "are the camera's intrinsics and the size of the board's squares right");

@@ -33,6 +33,7 @@ TEST(CalibrationFile, ReadsBackWhatIsWritten) {
   written.X_EC = Pose(Eigen::Translation3d(0.06, 0.0, 0.03));
   written.X_EL = Pose(Eigen::Translation3d(-0.06, 0.0, 0.04));
   written.residuals = CalibrationResiduals{12, 0.31, 0.4, 0.02};
+  written.hand_residuals = CalibrationResiduals{60, 0.29, 0.3, 0.03};
   SaveCalibration(written, folder / "c.yaml");
   const Calibration read = LoadCalibration(folder / "c.yaml");
   EXPECT_TRUE(read.head.X_BH0.isApprox(written.head.X_BH0, 1e-9));
@@ -41,6 +42,7 @@ TEST(CalibrationFile, ReadsBackWhatIsWritten) {
   EXPECT_TRUE(read.X_EL->isApprox(*written.X_EL, 1e-9));
   EXPECT_EQ(read.residuals->views, 12);
   EXPECT_EQ(read.residuals->degrees, 0.02);
+  EXPECT_EQ(read.hand_residuals->views, 60);
 }
 
 TEST(CalibrationFile, NamesWhatIsMissingOrWrong) {

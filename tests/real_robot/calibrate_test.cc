@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <numbers>
 #include <string>
 
@@ -24,10 +25,11 @@ using testing::RunProgram;
 
 const perception::Board kBoard{7, 5, 0.08, 0.06};
 
-/// A small world with a board that leans on its table.
+/// A small world, and a board that can be put into it.
 class Calibrate : public ::testing::Test {
  protected:
-  /// A white sheet with the board in its middle, standing up, seen from M's -x.
+  /// A white sheet with the board in its middle, seen from M's -x, which all but lies on the table
+  /// before a robot that has an arm.
   void PutBoard() const {
     geometry::Mesh sheet;
     const float w = 0.32F;
@@ -43,20 +45,25 @@ class Calibrate : public ::testing::Test {
     sheet.materials = {material};
     geometry::SaveObj(sheet, world_ / "board");
     WriteFile(world_ / "scene.yaml",
-              "table: {size: [1.2, 0.8], height: 0.75}\n"
+              "table: {size: [0.5, 0.6], height: 0.75}\n"
               "objects:\n  - {mesh: board/mesh.obj, unit: m, name: board, role: obstacle, "
-              "position: [-0.2, 0, 1.0], pitch_deg: 25}\n"
-              "robot: {position: [-1.05, 0], yaw_deg: 0}\n");
+              "position: [-0.1, 0, 0.78], pitch_deg: 85}\n"
+              "robot: {position: [-0.75, 0], yaw_deg: 0}\n");
+    WriteFile(world_.config(), "robot: !Sim\n  scene: scene.yaml\n  arm: {urdf: " +
+                                   std::filesystem::absolute("sim/robots/arm.urdf").string() +
+                                   "}\nmodels: models\nmission: {looks: {arm: {obstacles: "
+                                   "{avoid_unknown: false}}}}\n");
   }
 
-  ProgramResult Run(const std::string& seed) const {
-    return RunProgram({"calibrate", "--config", world_.config().string(), "--set", "seed=" + seed,
-                       "--out", (world_ / "c.yaml").string()});
+  /// Within a millimetre and a tenth of a degree.
+  static void ExpectNear(const Pose& found, const Pose& truth) {
+    EXPECT_LT((found.translation() - truth.translation()).norm(), 0.001);
+    EXPECT_LT(RotationDistance(found.linear(), truth.linear()) * 180.0 / std::numbers::pi, 0.1);
   }
 
-  /// Where the camera of the robot with this seed truly sits in its head.
-  Pose Truth(const std::string& seed) const {
-    const apps::RunConfig config = apps::LoadRunConfig(world_.config(), {"seed=" + seed});
+  /// Where the camera truly sits in the head.
+  Pose HeadTruth() const {
+    const apps::RunConfig config = apps::LoadRunConfig(world_.config(), {});
     const apps::ReadyRobot ready = apps::MakeRobot(config.robot, config.seed);
     const sim::WorldState& state = ready.world->StateAt(ready.world->Now());
     const Pose X_BC = ToPose(state.X_WB).inverse() * ready.world->CameraPose(state);
@@ -64,23 +71,52 @@ class Calibrate : public ::testing::Test {
     return X_BH.inverse() * X_BC;
   }
 
+  /// Where the camera truly sits in the hand.
+  Pose HandTruth() const {
+    const apps::RunConfig config = apps::LoadRunConfig(
+        world_.config(), {"robot.noise.arm_sigma=0", "robot.noise.arm_sigma_deg=0"});
+    const apps::ReadyRobot ready = apps::MakeRobot(config.robot, config.seed);
+    const sim::WorldState& state = ready.world->StateAt(ready.world->Now());
+    const Pose X_BC = ToPose(state.X_WB).inverse() * ready.world->HandCameraPose(state);
+    return ready.hand->arm.TipPose(state.arm).inverse() * X_BC;
+  }
+
   testing::SmallWorld world_;
+  const std::string file_ = (world_ / "c.yaml").string();
 };
 
-TEST_F(Calibrate, FindsWhereTheCameraTrulySits) {
+TEST_F(Calibrate, FindsWhereTheCamerasOfHeadAndHandTrulySit) {
   PutBoard();
-  const ProgramResult result = Run("1");
+  const ProgramResult result =
+      RunProgram({"calibrate", "--hand", "--config", world_.config().string(), "--out", file_});
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.out, ContainsRegex("[5-8][0-9] views, 0\\.[0-9]+ px: known to 0\\.[0-9] mm"));
-  const Pose found = kinematics::LoadCalibration(world_ / "c.yaml").head.X_HC;
-  const Pose truth = Truth("1");
-  EXPECT_LT((found.translation() - truth.translation()).norm(), 0.001) << result.out;
-  EXPECT_LT(RotationDistance(found.linear(), truth.linear()) * 180.0 / std::numbers::pi, 0.1)
-      << result.out;
+  EXPECT_THAT(result.out,
+              ContainsRegex("head camera: [5-8][0-9] views, 0\\.[0-9]+ px: known to 0"));
+  EXPECT_THAT(result.out,
+              ContainsRegex("hand camera: [3-9][0-9] views, 0\\.[0-9]+ px: known to 0"));
+  const kinematics::Calibration found = kinematics::LoadCalibration(file_);
+  ExpectNear(found.head.X_HC, HeadTruth());
+  ExpectNear(*found.X_EC, HandTruth());
+  EXPECT_GE(found.hand_residuals->views, 30);
+
+  // The simulated robot goes by the file, too.
+  const apps::RunConfig config =
+      apps::LoadRunConfig(world_.config(), {"robot.calibration=" + file_});
+  const apps::ReadyRobot ready = apps::MakeRobot(config.robot, config.seed);
+  EXPECT_TRUE(ready.hand->X_EC.isApprox(*found.X_EC, 1e-6));
+  EXPECT_TRUE(ready.calibration.X_HC.isApprox(found.head.X_HC, 1e-6));
+}
+
+TEST_F(Calibrate, SaysThatThereIsNoArm) {
+  const ProgramResult result =
+      RunProgram({"calibrate", "--hand", "--config", world_.config().string(), "--out", "c.yaml"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("has no arm with a camera in its hand"));
 }
 
 TEST_F(Calibrate, SaysThatNoBoardIsInSight) {
-  const ProgramResult result = Run("1");
+  const ProgramResult result =
+      RunProgram({"calibrate", "--config", world_.config().string(), "--out", file_});
   EXPECT_EQ(result.status, 2);
   EXPECT_THAT(result.err, HasSubstr("no board is in sight in"));
 }

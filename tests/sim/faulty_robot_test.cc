@@ -90,6 +90,7 @@ TEST(FaultyRobot, HasABaseThatAbortsOnItsWay) {
   faulty.At(10.0);
   EXPECT_EQ(faulty.DriveFor(1.0), MotionPhase::kMoving);
   faulty.world.Advance(Seconds(1.0));
+  EXPECT_EQ(faulty.robot.base->Status().phase, MotionPhase::kMoving);  // it brakes
   EXPECT_EQ(faulty.robot.base->Status().phase, MotionPhase::kFailed);
   EXPECT_EQ(faulty.world.base_status.phase, MotionPhase::kStopped);
 }
@@ -97,8 +98,67 @@ TEST(FaultyRobot, HasABaseThatAbortsOnItsWay) {
 TEST(FaultyRobot, HasABaseThatStopsShortAndSaysThatItHasArrived) {
   Faulty faulty(FaultyPart::kBase, FaultType::kStopsShort);
   faulty.At(10.0);
-  EXPECT_EQ(faulty.DriveFor(2.0), MotionPhase::kReached);
+  EXPECT_EQ(faulty.DriveFor(2.0), MotionPhase::kMoving);  // it brakes
   EXPECT_EQ(faulty.world.base_status.phase, MotionPhase::kStopped);
+  EXPECT_EQ(faulty.robot.base->Status().phase, MotionPhase::kReached);
+}
+
+TEST(FaultyRobot, SaysThatItHasFailedOnceItStands) {
+  Faulty faulty(FaultyPart::kHead, FaultType::kAborts);
+  faulty.world.head_takes = Seconds(2.5);
+  faulty.At(10.0);
+  faulty.robot.head->Start({0.5, 0.0});
+  faulty.world.Advance(Seconds(2.0));
+  const hal::MotionStatus status = faulty.robot.head->Status();
+  EXPECT_EQ(status.phase, MotionPhase::kMoving);  // it brakes
+  EXPECT_EQ(faulty.world.head_status.phase, MotionPhase::kStopped);
+  EXPECT_EQ(faulty.robot.head->Status().phase, MotionPhase::kFailed);
+}
+
+TEST(FaultyRobot, HasASlowHeadThatTakesThreeSecondsLonger) {
+  Faulty faulty(FaultyPart::kHead, FaultType::kSlow);
+  faulty.At(10.0);
+  faulty.robot.head->Start({0.5, 0.0});
+  faulty.world.Advance(Seconds(5.0));
+  EXPECT_EQ(faulty.robot.head->Status().phase, MotionPhase::kMoving);
+  faulty.world.Advance(Seconds(2.9));
+  EXPECT_EQ(faulty.robot.head->Status().phase, MotionPhase::kMoving);
+  faulty.world.Advance(Seconds(0.1));
+  EXPECT_EQ(faulty.robot.head->Status().phase, MotionPhase::kReached);
+}
+
+TEST(FaultyRobot, HasAnArmThatFailsWhereAJointComesNearItsLimit) {
+  Faulty faulty(FaultyPart::kArm, FaultType::kAtLimit);
+  faulty.world.arm_takes = Seconds(5.0);
+  faulty.At(10.0);
+  hal::JointTrajectory trajectory;
+  trajectory.knots.resize(2);
+  trajectory.knots[0].q = Eigen::Vector2d(0.0, 0.0);
+  trajectory.knots[1].q = Eigen::Vector2d(1.9, 0.0);
+  faulty.robot.arm->Start(trajectory);
+  faulty.world.q[0] = 1.5;
+  EXPECT_EQ(faulty.robot.arm->Status().phase, MotionPhase::kMoving);
+  faulty.world.q[0] = 1.7;
+  const hal::MotionStatus status = faulty.robot.arm->Status();
+  EXPECT_EQ(status.phase, MotionPhase::kFailed);
+  EXPECT_EQ(status.reason, "joint 'lift' has come to its limit (simulated)");
+}
+
+TEST(FaultyRobot, HasALocalisationThatSaysWhereItIsOnceInThreeSeconds) {
+  Faulty faulty(FaultyPart::kLocalisation, FaultType::kSlow);
+  faulty.At(10.0);
+  EXPECT_EQ(faulty.robot.base->State().time, Time(Seconds(10)));
+  faulty.At(12.9);
+  EXPECT_EQ(faulty.robot.base->State().time, Time(Seconds(10)));
+  faulty.At(13.0);
+  EXPECT_EQ(faulty.robot.base->State().time, Time(Seconds(13)));
+}
+
+TEST(FaultyRobot, HasABaseWhoseOdometryIsNoNumber) {
+  Faulty faulty(FaultyPart::kBase, FaultType::kGarbage);
+  faulty.At(10.0);
+  EXPECT_TRUE(std::isnan(faulty.robot.base->State().X_OB.x));
+  EXPECT_EQ(faulty.robot.base->State().X_WB.x, 0.0);
 }
 
 TEST(FaultyRobot, HasAStuckBaseThatMovesForEverUntilItIsStopped) {

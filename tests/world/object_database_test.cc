@@ -139,6 +139,15 @@ TEST_F(ObjectDatabaseFolder, ANameMustBeAPlainFileName) {
   }
 }
 
+TEST_F(ObjectDatabaseFolder, AModelNamesNothingOutsideItsFolder) {
+  Add("pyramid");
+  Edit(models_ / "pyramid/model.yaml", "name: \"pyramid\"", "name: \"../pyramid\"");
+  EXPECT_THROWS(ObjectDatabase::Load(models_), ConfigError, "must be plain file names");
+  Edit(models_ / "pyramid/model.yaml", "name: \"../pyramid\"", "name: \"pyramid\"");
+  Edit(models_ / "pyramid/model.yaml", "mesh: mesh.obj", "mesh: /etc/passwd");
+  EXPECT_THROWS(ObjectDatabase::Load(models_), ConfigError, "mesh '/etc/passwd' must be plain");
+}
+
 TEST_F(ObjectDatabaseFolder, AModelThatWasRemovedIsGone) {
   Add("one");
   Add("two");

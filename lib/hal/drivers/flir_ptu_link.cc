@@ -37,6 +37,21 @@ bool IsText(std::string_view line) {
 
 }  // namespace
 
+std::optional<std::string> PtuAnswerIn(std::string_view line, std::string_view command,
+                                       bool number) {
+  // An echo, where it is still on, stands in front of the answer on the same line.
+  if (line.starts_with(std::string(command) + " ")) line.remove_prefix(command.size() + 1);
+  const std::string_view answer = WithoutLimitNotes(line);
+  if (!IsText(answer) || answer.empty()) return std::nullopt;
+  if (answer.starts_with("! ")) {
+    Throw<ProtocolError>("the pan-tilt unit refuses '{}': {}", command, answer.substr(2));
+  }
+  if (answer[0] != '*') return std::nullopt;
+  std::string words(answer.substr(1));
+  if (number && !FirstNumber(words)) return std::nullopt;
+  return words;
+}
+
 FlirPtuLink::FlirPtuLink(const std::string& device, int baud)
     : device_(device), port_(device, baud) {
   port_.Write(" ");  // ends whatever half command may wait in the unit
@@ -62,7 +77,7 @@ void FlirPtuLink::Reset() {
       device_, ToSeconds(kResetPatience));
 }
 
-std::string FlirPtuLink::Answer(const std::string& command, bool number) {
+std::string FlirPtuLink::Answer(const std::string& command, bool number) try {
   for (int i = 0; i < kTries; ++i) {
     port_.Flush();
     unread_.clear();
@@ -71,17 +86,7 @@ std::string FlirPtuLink::Answer(const std::string& command, bool number) {
     for (int lines = 0; lines < kMostLines; ++lines) {
       const std::string line = ReadLine();
       if (line.empty()) break;
-      // An echo, where it is still on, stands in front of the answer on the same line.
-      const std::size_t begin = line.starts_with(command + " ") ? command.size() + 1 : 0;
-      const std::string_view answer = WithoutLimitNotes(std::string_view(line).substr(begin));
-      if (!IsText(answer) || answer.empty()) continue;
-      if (answer.starts_with("! ")) {
-        Throw<ProtocolError>("{}: the pan-tilt unit refuses '{}': {}", device_, command,
-                             answer.substr(2));
-      }
-      if (answer[0] != '*') continue;
-      std::string words(answer.substr(1));
-      if (!number || FirstNumber(words)) return words;
+      if (auto answer = PtuAnswerIn(line, command, number)) return *std::move(answer);
     }
   }
   Throw<DeviceError>(
@@ -89,6 +94,8 @@ std::string FlirPtuLink::Answer(const std::string& command, bool number) {
       "powered, "
       "and at this baud rate?",
       device_, command, kTries);
+} catch (const ProtocolError& error) {
+  Throw<ProtocolError>("{}: {}", device_, error.what());
 }
 
 /// The next line that is not empty, without its end; empty when none comes in time.

@@ -1,11 +1,18 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "lib/hal/drivers/serial_port.h"
 
 namespace secondlook::hal {
+
+/// What a line says in answer to `command`, without its '*'; empty when it is no answer, or has no
+/// `number` where one was asked for.
+/// @throws ProtocolError with the unit's own words when it refuses.
+std::optional<std::string> PtuAnswerIn(std::string_view line, std::string_view command,
+                                       bool number);
 
 /// The ASCII protocol of FLIR's pan-tilt units (D46, E46): a command ends with a space, its answer
 /// is a line that begins with '*' when it was done and with '!' and a space when it was not.

@@ -1,0 +1,41 @@
+// What libFuzzer calls, in the program `fuzz` of the preset of that name: SECONDLOOK_FUZZ names the
+// input. A mistake is a sanitizer's report, or an exception that is none of ours.
+
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "lib/common/error.h"
+#include "tests/fuzz/inputs.h"
+#include "tests/support/temporary_folder.h"
+
+namespace secondlook {
+namespace {
+
+OutsideInput Chosen() {
+  const char* name = std::getenv("SECONDLOOK_FUZZ");
+  for (OutsideInput& input : OutsideInputs()) {
+    if (name != nullptr && input.name == name) return std::move(input);
+  }
+  fmt::print(stderr, "SECONDLOOK_FUZZ must name one of:");
+  for (const OutsideInput& input : OutsideInputs()) fmt::print(stderr, " {}", input.name);
+  fmt::print(stderr, "\n");
+  std::exit(2);
+}
+
+}  // namespace
+}  // namespace secondlook
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const secondlook::OutsideInput input = secondlook::Chosen();
+  static const secondlook::TemporaryFolder scratch;
+  try {
+    input.read({reinterpret_cast<const char*>(data), size}, scratch.path());
+  } catch (const secondlook::Error&) {
+    // It was said what is wrong.
+  }
+  return 0;
+}
