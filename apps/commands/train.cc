@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -57,8 +58,19 @@ int BackgroundLabel(const TrainingSet& set, const std::string& background) {
   return found == set.classes.end() ? -1 : static_cast<int>(found - set.classes.begin());
 }
 
+/// One image of each class at least is kept out, and one is left to learn from.
+void RequireTwoOfEach(const TrainingSet& set) {
+  std::vector<int> counts(set.classes.size(), 0);
+  for (const perception::TrainingImage& image : set.images) ++counts[image.label];
+  const auto few = std::find_if(counts.begin(), counts.end(), [](int count) { return count < 2; });
+  if (few == counts.end()) return;
+  Throw<ConfigError>("class '{}' has {} image; a network needs at least 2, as one is kept out",
+                     set.classes[few - counts.begin()], *few);
+}
+
 /// The network is trained by a program of its own, which gets the list of the images.
 void TrainNetwork(const TrainingSet& set, const TrainOptions& options) {
+  RequireTwoOfEach(set);
   if (!fs::exists(kNetworkScript)) {
     Throw<ConfigError>("{}: not found; start from the root of the repository", kNetworkScript);
   }
@@ -79,8 +91,8 @@ void TrainNetwork(const TrainingSet& set, const TrainOptions& options) {
   fs::remove(list);
   if (status != 0) {
     Throw<ConfigError>(
-        "{} failed; it needs python3 with venv and the packages in "
-        "tools/train_network/requirements.txt",
+        "{} failed; it needs the Debian packages python3 and python3-venv, and from PyPI what "
+        "tools/train_network/requirements.txt lists",
         kNetworkScript);
   }
   const nlohmann::json found = nlohmann::json::parse(ReadFile(result));

@@ -1,3 +1,5 @@
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -65,6 +67,28 @@ TEST_F(Train, SaysWhatIsWrongWithTheImages) {
   EXPECT_EQ(one.status, 2);
   EXPECT_THAT(one.err, HasSubstr("has 1 classes; a classifier needs at least two"));
   EXPECT_EQ(Run("oracle").status, 2);
+}
+
+TEST_F(Train, NamesTheClassThatHasTooFewImagesForANetwork) {
+  for (int i = 1; i < 6; ++i) {
+    std::filesystem::remove(folder_ / "images" / "bowl" / (std::to_string(i) + ".png"));
+  }
+  const ProgramResult result = Run("cnn1");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(
+      result.err,
+      HasSubstr("class 'bowl' has 1 image; a network needs at least 2, as one is kept out"));
+}
+
+TEST_F(Train, SaysWhatToInstallWhereThereIsNoPython) {
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", folder_.path().c_str(), 1);  // with nothing in it
+  const ProgramResult result = Run("cnn1");
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("tools/train_network/run failed; it needs the Debian packages "
+                                    "python3 and python3-venv"));
+  EXPECT_FALSE(std::filesystem::exists(Model()));
 }
 
 }  // namespace

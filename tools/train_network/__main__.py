@@ -152,9 +152,6 @@ def main():
     rng = np.random.default_rng(options.seed)
     samples = read_list(options.list)
     classes = 1 + max(label for label, _ in samples)
-    counts = collections.Counter(label for label, _ in samples)
-    if min(counts[label] for label in range(classes)) < 2:
-        raise SystemExit("train_network: a class has fewer than 2 images; one is kept out of training")
     training, held_out = split(samples)
     training, held_out = (augmented_batches(samples, *of, options.background_class, rng, what)
                           for of, what in (((training, options.copies), "augmenting"),
