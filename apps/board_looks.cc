@@ -11,7 +11,7 @@ namespace {
 constexpr Duration kPoll = Seconds(0.05);
 constexpr Duration kSettle = Seconds(0.3);   // until nothing swings any longer
 constexpr Duration kPatience = Seconds(20);  // with a frame, or a motion of the head …
-constexpr double kSlower = 3.0;              // … and so many times as long as an arm's motion takes
+constexpr double kSlower = 3.0;  // … and so many times as long as an arm's motion takes
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -102,8 +103,11 @@ void Print(const char* camera, const kinematics::CalibrationResiduals& residuals
       RotationDistance(X_EC.linear(), X_EC_nominal.linear()) / kDegree);
 }
 
-/// All that the calibration file holds of `ready` so far.
-kinematics::Calibration Before(const ReadyRobot& ready) {
+/// All that the robot's calibration file says so far, or what it goes by where it has none.
+kinematics::Calibration Before(const RobotConfig& config, const ReadyRobot& ready) {
+  const std::string& file =
+      std::visit([](const auto& robot) -> const std::string& { return robot.calibration; }, config);
+  if (!file.empty()) return kinematics::LoadCalibration(file);
   kinematics::Calibration calibration{ready.calibration, {}, {}};
   if (ready.hand) calibration.X_EC = ready.hand->X_EC;
   calibration.X_EL = ready.X_EL;
@@ -240,7 +244,7 @@ int Calibrate(const CalibrateOptions& options) try {
   }
   ready.robot = guard.Protect(std::move(ready.robot));
   BoardLooks looks(&ready.robot, options.board);
-  kinematics::Calibration calibration = Before(ready);
+  kinematics::Calibration calibration = Before(config.robot, ready);
   std::vector<kinematics::BoardView> views;
   const kinematics::Calibration found = CalibrateHeadOf(&ready, options, &looks, &views);
   calibration.head = found.head;

@@ -100,9 +100,9 @@ HandCalibration CalibrateHand(const std::vector<HandView>& views,
   Eigen::VectorXd sigmas(6);
   sigmas << Eigen::Vector3d::Constant(errors.radians), Eigen::Vector3d::Constant(errors.metres);
   const CarriedCamera found = CalibrateCarriedCamera(carried, camera, start, sigmas);
-  return {found.X_EC,
-          {static_cast<int>(views.size()), found.pixels, 1e3 * found.metres,
-           found.radians / kDegree}};
+  return {
+      found.X_EC,
+      {static_cast<int>(views.size()), found.pixels, 1e3 * found.metres, found.radians / kDegree}};
 }
 
 }  // namespace secondlook::kinematics

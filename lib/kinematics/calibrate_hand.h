@@ -16,7 +16,8 @@ struct HandView {
   SightedBoard board;
 };
 
-/// How exactly an arm says where its end-effector is: standard deviations along and about each axis.
+/// How exactly an arm says where its end-effector is: standard deviations along and about each
+/// axis.
 struct ArmErrors {
   double metres{0.001};
   double radians{0.00175};

@@ -1,5 +1,6 @@
 #include "lib/kinematics/calibration_file.h"
 
+#include <cmath>
 #include <numbers>
 #include <string>
 
@@ -63,9 +64,15 @@ Pose ToPose(const PoseText& text) {
   return X_AB;
 }
 
+/// With a pitch of at most 90 degrees.
 PoseText ToText(const Pose& X_AB) {
-  const Eigen::Vector3d ypr = X_AB.linear().eulerAngles(2, 1, 0);
-  return {X_AB.translation(), ypr.reverse() / kDegree};
+  const Eigen::Matrix3d& R = X_AB.linear();
+  const double yaw = std::atan2(R(1, 0), R(0, 0));
+  const double s = std::sin(yaw);
+  const double c = std::cos(yaw);
+  const double pitch = std::atan2(-R(2, 0), c * R(0, 0) + s * R(1, 0));
+  const double roll = std::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1));
+  return {X_AB.translation(), Eigen::Vector3d(roll, pitch, yaw) / kDegree};
 }
 
 }  // namespace

@@ -167,8 +167,8 @@ CarriedCamera CalibrateCarriedCamera(const std::vector<CarriedView>& views,
                                      const CarriedCamera& start, const Eigen::VectorXd& sigmas) {
   const Problem problem(views, camera, sigmas);
   const Estimate estimate = Minimise(
-      problem, {start.X_EC, start.X_BP,
-                std::vector<VectorXd>(views.size(), VectorXd::Zero(sigmas.size()))});
+      problem,
+      {start.X_EC, start.X_BP, std::vector<VectorXd>(views.size(), VectorXd::Zero(sigmas.size()))});
   const double pixels = problem.Pixels(estimate);
   if (!(pixels <= kMaxPixels)) {
     Throw<InvalidArgument>(

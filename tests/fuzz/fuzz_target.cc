@@ -1,14 +1,16 @@
 // What libFuzzer calls, in the program `fuzz` of the preset of that name: SECONDLOOK_FUZZ names the
-// input. A mistake is a sanitizer's report, or an exception that is none of ours.
+// input. A mistake is a sanitizer's report, or an exception that is none of ours. Bytes that are
+// right, to begin with, are written to the file SECONDLOOK_FUZZ_SEED.
 
 #include <cstdint>
 #include <cstdlib>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "lib/common/error.h"
+#include "lib/common/files.h"
 #include "tests/fuzz/inputs.h"
 #include "tests/support/temporary_folder.h"
 
@@ -18,7 +20,9 @@ namespace {
 OutsideInput Chosen() {
   const char* name = std::getenv("SECONDLOOK_FUZZ");
   for (OutsideInput& input : OutsideInputs()) {
-    if (name != nullptr && input.name == name) return std::move(input);
+    if (name == nullptr || input.name != name) continue;
+    if (const char* seed = std::getenv("SECONDLOOK_FUZZ_SEED")) WriteFile(seed, input.seed);
+    return std::move(input);
   }
   fmt::print(stderr, "SECONDLOOK_FUZZ must name one of:");
   for (const OutsideInput& input : OutsideInputs()) fmt::print(stderr, " {}", input.name);

@@ -21,8 +21,8 @@ struct Rig {
   Pose truth = Pose::Identity();
   std::vector<HandView> views;
 
-  /// `count` of them, from up to `spread` [rad] off the board's normal, with corners found to within
-  /// `pixels` and an arm that errs by `metres` and `radians`.
+  /// `count` of them, from up to `spread` [rad] off the board's normal, with corners found to
+  /// within `pixels` and an arm that errs by `metres` and `radians`.
   Rig(std::uint64_t seed, int count, double spread, double pixels, double metres, double radians) {
     Rng rng(seed);
     truth.translation() = Eigen::Vector3d(0.06, 0.01, 0.03);
@@ -34,9 +34,9 @@ struct Rig {
     one.solutions = 1;
     Eigen::VectorXd near = Eigen::VectorXd::Constant(arm.size(), 0.5);
     for (int tries = 0; tries < 20 * count && std::ssize(views) < count; ++tries) {
-      const Eigen::Vector3d from_P =
-          RotationFromRollPitchYaw(rng.Uniform(-spread, spread), rng.Uniform(-spread, spread), 0.0) *
-          Eigen::Vector3d(0.0, 0.0, 0.5);
+      const Eigen::Vector3d from_P = RotationFromRollPitchYaw(rng.Uniform(-spread, spread),
+                                                              rng.Uniform(-spread, spread), 0.0) *
+                                     Eigen::Vector3d(0.0, 0.0, 0.5);
       const JointSolutions solutions = SolveInverseKinematics(
           arm, {LookAt(X_BP * from_P, X_BP.translation()), truth, true}, near, one);
       if (solutions.q.empty()) continue;
@@ -100,9 +100,7 @@ TEST(CalibrateHand, FindsItWithinAMillimetreAndATenthOfADegreeWithAllThatErrs) {
 }
 
 TEST(CalibrateHand, RefusesViewsThatDoNotTell) {
-  const auto calibrate = [](const Rig& rig) {
-    return CalibrateHand(rig.views, kCamera, rig.arm);
-  };
+  const auto calibrate = [](const Rig& rig) { return CalibrateHand(rig.views, kCamera, rig.arm); };
   EXPECT_THROWS(calibrate(Rig(1, 7, 0.6, 0.2, 0.0, 0.0)), InvalidArgument,
                 "the hand's camera found the board in 7 views, at least 8 are needed");
   Rig still(1, 1, 0.6, 0.2, 0.0, 0.0);

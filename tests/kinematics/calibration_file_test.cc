@@ -45,6 +45,17 @@ TEST(CalibrationFile, ReadsBackWhatIsWritten) {
   EXPECT_EQ(read.hand_residuals->views, 60);
 }
 
+TEST(CalibrationFile, WritesSmallAnglesAsSmallOnes) {
+  const TemporaryFolder folder;
+  Calibration written;
+  written.X_EC = Pose::Identity();
+  written.X_EC->linear() = RotationFromRollPitchYaw(-0.01, 0.02, -0.03);
+  SaveCalibration(written, folder / "c.yaml");
+  const std::string text = ReadFile(folder / "c.yaml");
+  EXPECT_NE(text.find("rpy_deg: [-0.57295"), std::string::npos) << text;
+  EXPECT_TRUE(LoadCalibration(folder / "c.yaml").X_EC->isApprox(*written.X_EC, 1e-9));
+}
+
 TEST(CalibrationFile, NamesWhatIsMissingOrWrong) {
   const TemporaryFolder folder;
   const auto refuses = [&](const std::string& text, const std::string& why) {
