@@ -6,7 +6,9 @@
 
 #include "apps/appearance.h"
 #include "lib/fusion/conclude.h"
+#include "lib/fusion/dempster_shafer.h"
 #include "lib/fusion/pose_fusion.h"
+#include "lib/perception/posed_colors.h"
 #include "lib/perception/refine.h"
 #include "lib/perception/rival_turns.h"
 #include "lib/perception/turn_by_color.h"
@@ -55,6 +57,47 @@ Eigen::Matrix<double, 6, 6> InWorld(const Eigen::Matrix<double, 6, 6>& covarianc
 const world::Sighting& SightingIn(const ObjectBelief& object, int view) {
   return *std::find_if(object.sightings.begin(), object.sightings.end(),
                        [&](const world::Sighting& s) { return s.view == view; });
+}
+
+/// By how much the colours speak for `a` rather than `b`, two poses of `model`, where these differ:
+/// summed over the views that were asked about both.
+double ColorLead(const perception::RecognitionModel& model, const PoseHypothesis& a,
+                 const PoseHypothesis& b, const std::vector<perception::View>& views) {
+  double lead = 0.0;
+  for (const world::ViewEvidence& ea : a.evidence) {
+    for (const world::ViewEvidence& eb : b.evidence) {
+      if (ea.view != eb.view) continue;
+      const perception::View& view = views[ea.view];
+      const perception::PosedColors colors(model, ea.hypothesis.X_CM, view);
+      lead += colors.LogRatio({model, eb.hypothesis.X_CM, view}).value_or(0.0);
+    }
+  }
+  return lead;
+}
+
+/// Takes from `object`, whose best hypothesis is of `model`, the other poses of it that the scores
+/// leave too near to the best, and the colours where they differ do not.
+std::vector<PoseHypothesis> TakeToldByColors(const fusion::ConcludeConfig& config,
+                                             const perception::RecognitionModel& model,
+                                             const std::vector<perception::View>& views,
+                                             ObjectBelief* object) {
+  const PoseHypothesis best = object->hypotheses.front();
+  std::vector<PoseHypothesis> told;
+  std::vector<PoseHypothesis> left{best};
+  for (std::size_t i = 1; i < object->hypotheses.size(); ++i) {
+    PoseHypothesis& other = object->hypotheses[i];
+    const double needed = fusion::NeededLead(config, best, other);
+    double lead = needed;
+    if (!other.struck && other.model == best.model) lead = fusion::Lead(config, best, other);
+    if (lead < needed && lead + ColorLead(model, best, other, views) >= needed) {
+      other.reason = "its colours are not those of the views, where it differs from the best pose";
+      told.push_back(std::move(other));
+    } else {
+      left.push_back(std::move(other));
+    }
+  }
+  object->hypotheses = std::move(left);
+  return told;
 }
 
 }  // namespace
@@ -210,8 +253,10 @@ void MultiViewVerification::ExamineTurns(ObjectBelief* object) {
     for (const Pose& turn : turns) {
       if (perception::LeavesItsRest(model, best.X_WM, turn, belief_.plane_W->normal_A)) continue;
       PoseHypothesis turned = Turned(*object, best, turn);
-      const double lead = fusion::Lead(config_.conclude, best, turned);
-      const double margin = fusion::NeededLead(config_.conclude, best, turned) - lead;
+      const double needed = fusion::NeededLead(config_.conclude, best, turned);
+      double lead = fusion::Lead(config_.conclude, best, turned);
+      if (lead < needed) lead += ColorLead(model, best, turned, views_);
+      const double margin = needed - lead;
       if (margin <= rival_margin) continue;
       rival_margin = margin;
       rival = std::move(turned);
@@ -234,10 +279,26 @@ void MultiViewVerification::ExamineTurns(ObjectBelief* object) {
   Conclude(object);
 }
 
+/// Where the class is sure and other poses are not, their colours are compared, too. Those that
+/// tell are struck for this time: the evidence decides anew whenever there is more of it.
 void MultiViewVerification::Conclude(ObjectBelief* object) const {
-  fusion::Conclude(task_, config_.conclude, ClearViews(*object),
-                   AppearanceOf(*object, belief_, models_, config_.conclude.view_reliability),
-                   object);
+  const auto conclude = [&] {
+    fusion::Conclude(task_, config_.conclude, ClearViews(*object),
+                     AppearanceOf(*object, belief_, models_, config_.conclude.view_reliability),
+                     object);
+  };
+  conclude();
+  if (object->state != world::ObjectState::kCandidate || object->Best() == nullptr) return;
+  const std::string name = object->hypotheses.front().model;
+  if (fusion::NormalisedBelief(object->masses, name) < task_.ConfidenceFor(name)) return;
+  std::vector<PoseHypothesis> told =
+      TakeToldByColors(config_.conclude, ModelOf(name), views_, object);
+  if (told.empty()) return;
+  conclude();
+  for (PoseHypothesis& h : told) {
+    h.struck = true;
+    object->hypotheses.push_back(std::move(h));
+  }
 }
 
 void MultiViewVerification::Complete(ObjectBelief* object) {

@@ -1,5 +1,6 @@
 #include "apps/scene_understanding.h"
 
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -95,6 +96,22 @@ TEST(SceneUnderstanding, TellsTwoOfOneModelApartOverTheViews) {
         << i;
   }
   for (const ObjectBelief* box : boxes) EXPECT_EQ(box->sightings.size(), 4U);
+}
+
+TEST(SceneUnderstanding, TellsTheTurnOfABowlByTheFewTrianglesThatDiffer) {
+  // Turned by half, four of its eight triangles have the same colour.
+  for (const double yaw_deg : {50.0, 150.0, 250.0}) {
+    Table table({Known("bowl", 0.0, 0.0, yaw_deg)});
+    SceneUnderstanding understanding({}, {}, Shipped({"bowl", "tea_box"}));
+    ASSERT_EQ(understanding.Add(table.From(0.0)), "");
+    const auto bowls = Verified(understanding, "bowl");
+    ASSERT_EQ(bowls.size(), 1U) << yaw_deg << ": " << understanding.belief().objects.at(0).reason;
+    EXPECT_LT(
+        RotationDistance(bowls[0]->Best()->X_WM.linear(),
+                         RotationFromRollPitchYaw(0.0, 0.0, yaw_deg * std::numbers::pi / 180.0)),
+        0.05)
+        << yaw_deg;
+  }
 }
 
 TEST(SceneUnderstanding, CountsThreeCansOfOneModelOverTwoViews) {
