@@ -25,7 +25,8 @@ using world::SceneBelief;
 constexpr double kRoom = 0.3;
 /// A border so low goes on to the support, unseen [m].
 constexpr double kRim = 0.025;
-/// A view that sees through a larger share of the surface is of something else, or its pose is wrong.
+/// A view that sees through a larger share of the surface is of something else, or its pose is
+/// wrong.
 constexpr double kMaxSeeThrough = 0.25;
 
 AlignedBox3d Grown(const AlignedBox3d& box, double by) {
@@ -117,8 +118,8 @@ std::optional<ModelledThing> Exploration::Work(const SceneBelief& belief, Time n
     return Finish(belief, fmt::format("enough of it is seen: {:.0f} %", 100.0 * coverage), now);
   }
   if (static_cast<int>(current_->entered.size()) >= config_.scans) {
-    return Finish(
-        belief, fmt::format("the budget of {} scans for one thing is spent", config_.scans), now);
+    return Finish(belief,
+                  fmt::format("the budget of {} scans for one thing is spent", config_.scans), now);
   }
   return std::nullopt;
 }
@@ -146,9 +147,9 @@ ModelledThing Exploration::Finish(const SceneBelief& belief, const std::string& 
   const world::PartialMesh surface = current_->model.surface();
   ModelledThing thing = Drop(why);
   if (surface.mesh.empty() || coverage.Reachable() < config_.least_coverage) {
-    thing.reason += fmt::format("; only {:.0f} % of it was seen in {} scans, and a model wants {:.0f} %",
-                                100.0 * coverage.Reachable(), scans,
-                                100.0 * config_.least_coverage);
+    thing.reason +=
+        fmt::format("; only {:.0f} % of it was seen in {} scans, and a model wants {:.0f} %",
+                    100.0 * coverage.Reachable(), scans, 100.0 * config_.least_coverage);
     return thing;
   }
   Vector3d p_WM = geometry::Bounds(surface.mesh).center();
@@ -183,9 +184,8 @@ const ObjectBelief* Exploration::LargestUnknown(const SceneBelief& belief) const
 }
 
 void Exploration::Begin(const ObjectBelief& object, const SceneBelief& belief) {
-  current_.emplace(Current{
-      object.id,
-      PartialModel(config_, BoxFor(object, config_.around_m), *belief.plane_W)});
+  current_.emplace(
+      Current{object.id, PartialModel(config_, BoxFor(object, config_.around_m), *belief.plane_W)});
 }
 
 /// Each view that shows it, and was not entered yet, is a scan.

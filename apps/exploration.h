@@ -21,14 +21,14 @@ namespace secondlook::apps {
 
 /// What came of modelling a thing.
 struct ModelledThing {
-  int object{};                        ///< Its id.
-  std::string model;                   ///< Its name; empty: none was made.
-  std::vector<double> coverage;        ///< After each scan, of what the support leaves free.
-  std::vector<std::string> refused;    ///< Why scans were not fused, one by one.
-  std::string reason;                  ///< Why it is done, or why there is no model.
-  world::ScannedModel scanned;         ///< Without triangles when there is no model.
-  Pose X_WM{Pose::Identity()};         ///< Where it stands.
-  std::string not_kept;                ///< Why the model could not be kept; empty: it was.
+  int object{};                      ///< Its id.
+  std::string model;                 ///< Its name; empty: none was made.
+  std::vector<double> coverage;      ///< After each scan, of what the support leaves free.
+  std::vector<std::string> refused;  ///< Why scans were not fused, one by one.
+  std::string reason;                ///< Why it is done, or why there is no model.
+  world::ScannedModel scanned;       ///< Without triangles when there is no model.
+  Pose X_WM{Pose::Identity()};       ///< Where it stands.
+  std::string not_kept;              ///< Why the model could not be kept; empty: it was.
 };
 
 /// What was scanned as recognition knows it, without any files: the mesh, and a hash of it.
@@ -36,11 +36,11 @@ world::ObjectModel AsModel(const world::ScannedModel& scanned);
 
 /// What the next scan is to add to.
 struct ScanTarget {
-  int object{};                           ///< Its id.
-  Eigen::AlignedBox3d box_W;              ///< Around what is seen of it.
-  const planning::ScanGainField* gain{};  ///< Not null; what a scan would show.
-  double surface{};  ///< That is seen so far [m^2].
-  int scans{};       ///< So far.
+  int object{};                                     ///< Its id.
+  Eigen::AlignedBox3d box_W;                        ///< Around what is seen of it.
+  const planning::ScanGainField* gain{};            ///< Not null; what a scan would show.
+  double surface{};                                 ///< That is seen so far [m^2].
+  int scans{};                                      ///< So far.
   Eigen::Vector3d last_W{Eigen::Vector3d::Zero()};  ///< Where the last was made from.
   std::vector<Eigen::Vector3d> refused_W{};         ///< Scans from there were not fused.
 };

@@ -309,6 +309,7 @@ void Mission::Know(ModelledThing thing) {
     }
   }
   spdlog::info("object {}: {}", id, belief().objects[id].reason);
+  publisher_->Belief(belief(), robot_->clock->Now());
   record_.modelled.push_back(std::move(thing));
 }
 

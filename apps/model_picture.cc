@@ -14,8 +14,8 @@
 namespace secondlook::apps {
 namespace {
 
-constexpr int kSize = 480;        ///< Of a picture that is saved [px].
-constexpr double kFar = 3.0;      ///< From the camera to the model's middle, in diameters.
+constexpr int kSize = 480;         ///< Of a picture that is saved [px].
+constexpr double kFar = 3.0;       ///< From the camera to the model's middle, in diameters.
 constexpr float kAmbient = 0.35F;  ///< Of the light.
 
 }  // namespace

@@ -23,16 +23,16 @@ ScanStrategy ParseScanStrategy(const std::string& text);
 
 /// How things that are in no database are modelled (Kriegel 2013). Of the sensor: `surface`, whose
 /// voxels are as wide as the depth camera's pixels are apart two metres off, and `stands_m`, two of
-/// its sigma at one metre. Of whoever gives the task: `coverage`, `scans` and `largest_m`. Chosen by
-/// hand: the rest.
+/// its sigma at one metre. Of whoever gives the task: `coverage`, `scans` and `largest_m`. Chosen
+/// by hand: the rest.
 struct ModellingConfig {
   world::SurfaceConfig surface{.voxel_m = 0.004};
   planning::BoundarySearchConfig borders{.footing_m = 0.014};
   planning::ScanGainConfig gain{.max_range_m = 2.5, .stride = 1};
   std::string strategy{"new surface"};
   double coverage{0.95};  ///< A model is done when so much is seen of what the support leaves free…
-  double worthwhile{0.02};  ///< …or no scan is expected to add this share of what is seen…
-  int scans{12};            ///< …or after so many scans.
+  double worthwhile{0.02};      ///< …or no scan is expected to add this share of what is seen…
+  int scans{12};                ///< …or after so many scans.
   double least_coverage{0.5};   ///< A model that shows less is not kept.
   double largest_m{0.5};        ///< Things with a longer edge are not modelled.
   double around_m{0.06};        ///< Of the support and what stands beside is registered to, too.

@@ -52,9 +52,8 @@ std::string PartialModel::Add(world::RangeScan scan) {
   world::ScanPatches patches = world::CutIntoPatches(scan, volume_.patch());
   if (!all_.mesh.empty()) {
     const double voxel = config_.surface.voxel_m;
-    perception::RegisteredScan placed =
-        perception::RegisterScan(std::move(scan), std::move(patches), all_, voxel,
-                                 perception::ScanRegisterConfig(voxel));
+    perception::RegisteredScan placed = perception::RegisterScan(
+        std::move(scan), std::move(patches), all_, voxel, perception::ScanRegisterConfig(voxel));
     if (!placed.registration.accepted) return placed.registration.reason;
     scan = std::move(placed.scan);
     patches = std::move(placed.patches);

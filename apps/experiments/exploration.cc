@@ -18,9 +18,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// The rows, and the strategy of each; the last is ours, the one before its baseline.
-const std::vector<std::pair<std::string, std::string>> kPlanners{
-    {"random", "random"}, {"fixed ring", "fixed step"}, {"Kriegel", "Kriegel"},
-    {"ours", "new surface"}};
+const std::vector<std::pair<std::string, std::string>> kPlanners{{"random", "random"},
+                                                                 {"fixed ring", "fixed step"},
+                                                                 {"Kriegel", "Kriegel"},
+                                                                 {"ours", "new surface"}};
 
 std::vector<double> ValuesOf(const std::vector<Json>& trials, const std::string& planner,
                              const char* key) {
@@ -90,7 +91,8 @@ std::vector<Row> Summarise(const std::vector<Json>& trials) {
         {"unknown things modelled, " + planner, Share(trials, planner, "modelled", unknown)});
     rows.push_back({"unknown things recognised by their own model, " + planner,
                     Share(trials, planner, "right", unknown)});
-    rows.push_back({"taken for what they are not, " + planner, Share(trials, planner, "wrong", any)});
+    rows.push_back(
+        {"taken for what they are not, " + planner, Share(trials, planner, "wrong", any)});
   }
   return rows;
 }

@@ -23,9 +23,9 @@ constexpr int kOfEach = 3;
 constexpr int kMaxSteps = 100;  // the net under a hang
 constexpr int kLooks = 60;      // the budget
 
-constexpr std::array<std::string_view, 8> kWorkshop{
-    "canister_blue", "canister_red", "connector", "hammer",
-    "oil_filter",    "power_drill",  "screwdriver", "valve"};
+constexpr std::array<std::string_view, 8> kWorkshop{"canister_blue", "canister_red", "connector",
+                                                    "hammer",        "oil_filter",   "power_drill",
+                                                    "screwdriver",   "valve"};
 
 bool OfTheWorkshop(const sim::SceneObject& object) {
   return std::find(kWorkshop.begin(), kWorkshop.end(), object.name) != kWorkshop.end();
@@ -33,10 +33,9 @@ bool OfTheWorkshop(const sim::SceneObject& object) {
 
 /// What truly became of one thing.
 Json ToJson(const Verdict& verdict, const std::vector<ModelledThing>& modelled) {
-  const auto made =
-      std::find_if(modelled.begin(), modelled.end(), [&](const ModelledThing& thing) {
-        return !thing.model.empty() && thing.object == verdict.object;
-      });
+  const auto made = std::find_if(modelled.begin(), modelled.end(), [&](const ModelledThing& thing) {
+    return !thing.model.empty() && thing.object == verdict.object;
+  });
   const bool own = made != modelled.end() && made->model == verdict.belief;
   Json json{{"truth", verdict.truth}, {"known", verdict.known}, {"belief", verdict.belief}};
   json["right"] = verdict.known ? verdict.kind == Verdict::Kind::kRight : own;
@@ -56,8 +55,8 @@ HalfKnownTable DrawHalfKnownTable(const ExperimentOptions& options, int trial) {
   const Repertoire repertoire = LoadRepertoire(options.models, options.unfamiliar);
   std::vector<sim::SceneObject> pool = repertoire.known;
   pool.insert(pool.end(), repertoire.unknown.begin(), repertoire.unknown.end());
-  std::vector<sim::SceneObject> things =
-      DrawObjects(std::move(pool), static_cast<int>(repertoire.known.size() + repertoire.unknown.size()), &rng);
+  std::vector<sim::SceneObject> things = DrawObjects(
+      std::move(pool), static_cast<int>(repertoire.known.size() + repertoire.unknown.size()), &rng);
   const bool workshop = trial % 2 == 1;
   std::stable_partition(things.begin(), things.end(), [&](const sim::SceneObject& object) {
     return OfTheWorkshop(object) == workshop;
@@ -96,9 +95,8 @@ Explored Explore(const HalfKnownTable& table, const std::string& strategy, std::
   json["end"] = ToString(progress);
   json["why"] = record.end;
   json["views"] = mission.belief().views.size();
-  json["scans"] = std::count_if(record.looks.begin(), record.looks.end(), [](const TakenLook& l) {
-    return l.look.kind == "scan";
-  });
+  json["scans"] = std::count_if(record.looks.begin(), record.looks.end(),
+                                [](const TakenLook& l) { return l.look.kind == "scan"; });
   json["looks"] = record.looks.size();
   json["robot_seconds"] = record.total_seconds;
   json["metres"] = record.metres;

@@ -29,8 +29,7 @@ constexpr double kSamePlace = 0.05;  ///< A hypothesis so near to a thing's midd
 /// The scene's thing whose middle is where `hypothesis` of `model` has its own; -1 for none.
 int ThingAt(const world::Hypothesis& hypothesis, const perception::RecognitionModel& model,
             const Pose& X_WC, const std::vector<sim::PlacedObject>& things) {
-  const Vector3d center_W =
-      X_WC * hypothesis.X_CM * geometry::Bounds(model.mesh).center();
+  const Vector3d center_W = X_WC * hypothesis.X_CM * geometry::Bounds(model.mesh).center();
   int nearest = -1;
   double distance = kSamePlace;
   for (int i = 0; i < static_cast<int>(things.size()); ++i) {

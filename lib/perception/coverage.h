@@ -21,7 +21,8 @@ struct Coverage {
 
 /// Fills the holes of `surface`. An edge of a border lower than `footing` [m] above the support is
 /// where the thing stands: what lies between such edges and the middle of their hole nobody can
-/// see. Beyond other edges the surface goes on as it ended: where it turns by the angle α against
+/// see, nor what faces the support steeply, e.g. the underside of what stands on a narrower foot.
+/// Beyond other edges the surface goes on as it ended: where it turns by the angle α against
 /// the flat filling, it is thought to close as a cap does, whose area is 2 / (1 + cos α) of the
 /// flat one's, but not more than twice (a ball seen from one side).
 /// @pre plane_W is in the frame of `surface`.

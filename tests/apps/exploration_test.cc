@@ -18,8 +18,8 @@
 namespace secondlook::apps {
 namespace {
 
-using ::testing::HasSubstr;
 using Eigen::Vector3d;
+using ::testing::HasSubstr;
 
 constexpr Time kNow(Seconds(12.0));
 
@@ -52,10 +52,10 @@ class Duck : public ::testing::Test {
     const double azimuth = azimuth_deg * std::numbers::pi / 180.0;
     const double up = 40.0 * std::numbers::pi / 180.0;
     const Vector3d middle_W = box_W_.center();
-    const Pose X_WC = LookAt(
-        middle_W + 0.75 * Vector3d(std::cos(up) * std::cos(azimuth),
-                                   std::cos(up) * std::sin(azimuth), std::sin(up)),
-        middle_W);
+    const Pose X_WC =
+        LookAt(middle_W + 0.75 * Vector3d(std::cos(up) * std::cos(azimuth),
+                                          std::cos(up) * std::sin(azimuth), std::sin(up)),
+               middle_W);
     world::Observation view;
     view.frame = camera_.Take(X_WC).frame;
     view.camera = camera_.info().model;

@@ -9,7 +9,6 @@
 
 #include "lib/common/files.h"
 #include "lib/world/object_database.h"
-#include "tests/mission/simulated_mission.h"
 #include "tests/support/program.h"
 #include "tests/support/small_world.h"
 
@@ -78,12 +77,10 @@ TEST_F(ExploreMission, ModelsAThingThatKnowsNobodyAndRecognisesItFromThenOn) {
 
 TEST_F(ExploreMission, KnowsAModelInThisMissionAloneThatCannotBeKept) {
   WriteFile(world_ / "learned", "a file where the folder should be");
-  const SimulatedMission run({}, {}, world_.config().string());
-  ASSERT_EQ(run.mission().record().modelled.size(), 1U);
-  EXPECT_EQ(run.mission().record().modelled[0].model, "object_1");
-  EXPECT_EQ(run.progress(), Progress::kSettled) << run.mission().record().end;
-  EXPECT_EQ(run.mission().belief().objects[0].state, world::ObjectState::kVerified)
-      << run.mission().belief().objects[0].reason;
+  const ProgramResult result = Run({});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("model 'object_1' is known in this mission alone: "));
+  EXPECT_THAT(result.out, HasSubstr("verified   object_1"));
 }
 
 }  // namespace
