@@ -100,9 +100,10 @@ TEST(SceneUnderstanding, TellsTwoOfOneModelApartOverTheViews) {
 
 TEST(SceneUnderstanding, TellsTheTurnOfABowlByTheFewTrianglesThatDiffer) {
   // Turned by half, four of its eight triangles have the same colour.
+  const SceneUnderstanding blank({}, {}, Shipped({"bowl", "tea_box"}));
   for (const double yaw_deg : {50.0, 150.0, 250.0}) {
     Table table({Known("bowl", 0.0, 0.0, yaw_deg)});
-    SceneUnderstanding understanding({}, {}, Shipped({"bowl", "tea_box"}));
+    SceneUnderstanding understanding = blank;
     ASSERT_EQ(understanding.Add(table.From(0.0)), "");
     const auto bowls = Verified(understanding, "bowl");
     ASSERT_EQ(bowls.size(), 1U) << yaw_deg << ": " << understanding.belief().objects.at(0).reason;
