@@ -27,7 +27,7 @@ struct Variant {
 struct CourseSetup {
   const world::ObjectDatabase* database{};
   world::Budget budget;  ///< A mission that leaves something open counts with all of it.
-  sim::SimConfig robot;
+  sim::SimConfig robot{};
   const perception::Classifier* classifier{};  ///< None: things are known by shape alone.
 };
 
