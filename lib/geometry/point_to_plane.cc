@@ -81,6 +81,16 @@ Held HeldBy(const std::vector<PointPlanePair>& pairs, double min_constraint) {
   return held;
 }
 
+/// Takes from the information what a shift of all pairs together by `sigma` leaves unknown: the
+/// shift is one more unknown, marginalised.
+void AllowShift(double sigma, Held* held) {
+  if (!(sigma > 0.0)) return;
+  const Eigen::Matrix<double, 6, 3> by_shift = held->information.rightCols<3>();
+  const Eigen::Matrix3d shift =
+      by_shift.bottomRows<3>() + Eigen::Matrix3d::Identity() / (sigma * sigma);
+  held->information -= by_shift * shift.llt().solve(by_shift.transpose());
+}
+
 PointPlaneStep StepOf(const Held& held, const Vector6& scaled_move) {
   PointPlaneStep step;
   step.centroid_A = held.centroid_A;
@@ -102,7 +112,8 @@ PointPlaneStep SolvePointToPlane(const std::vector<PointPlanePair>& pairs, doubl
 
 PointPlaneStep SolvePointToPlane(const std::vector<PointPlanePair>& pairs, const MotionPrior& prior,
                                  double min_constraint) {
-  const Held held = HeldBy(pairs, min_constraint);
+  Held held = HeldBy(pairs, min_constraint);
+  AllowShift(prior.common_shift, &held);
   const Matrix6 to_prior = Lever(held.centroid_A, prior.p_AO) * held.scale.asDiagonal();
   const Matrix6 known = to_prior.transpose() * prior.information * to_prior;
   const Eigen::LLT<Matrix6> both(held.information + known);

@@ -24,6 +24,9 @@ struct MotionPrior {
   /// Its inverse covariance, which counts beside the pairs' weights: these must be inverse
   /// variances, too.
   Eigen::Matrix<double, 6, 6> information{Eigen::Matrix<double, 6, 6>::Zero()};
+  /// All pairs may be off together by this in each direction [m], however many they are: a sensor
+  /// draws all edges inward.
+  double common_shift{};
 };
 
 /// One Gauss-Newton step that brings points onto their planes.

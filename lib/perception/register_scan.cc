@@ -13,6 +13,8 @@ using Eigen::Vector3d;
 /// More patches and vertices than these say nothing new; they are taken evenly.
 constexpr std::size_t kMostPatches = 1500;
 constexpr std::size_t kMostVertices = 20000;
+/// How exact a surface is, in its voxels.
+constexpr double kExact = 0.1;
 /// Cells of the reference, in voxels of the surface.
 constexpr double kCell = 5.0 / 3.0;
 /// Within the surface the nearest of its points is not farther away than this, in cells.
@@ -26,9 +28,9 @@ ReferenceCloud Reference(const world::PartialMesh& surface, double voxel) {
   std::vector<SurfacePoint> points_W;
   const std::size_t count = surface.mesh.vertices.size();
   for (std::size_t i = 0; i < count; i += Stride(count, kMostVertices)) {
-    // As exact as the surface's voxels; how exact that is plays no part, for all are alike.
-    points_W.push_back(
-        {surface.mesh.vertices[i].cast<double>(), surface.normals[i].cast<double>(), 0.1 * voxel});
+    // How exact that is plays no part, for all are alike.
+    points_W.push_back({surface.mesh.vertices[i].cast<double>(), surface.normals[i].cast<double>(),
+                        kExact * voxel});
   }
   ReferenceCloud reference(kCell * voxel);
   reference.AddView(points_W, Pose::Identity());
@@ -43,6 +45,7 @@ RegisterConfig ScanRegisterConfig(double voxel) {
   config.last_gate_m = 0.006;
   config.max_slide_m = kSlide * kCell * voxel;
   config.min_pairs = 60;
+  config.common_shift_m = kExact * voxel;
   return config;
 }
 

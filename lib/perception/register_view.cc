@@ -202,6 +202,7 @@ void RegisterConfig::Validate() const {
   CheckRange(iterations, 1, 1000, "iterations");
   CheckRange(min_constraint, 0.0, 1.0, "min_constraint");
   CheckRange(min_pairs, 6, 1e6, "min_pairs");
+  CheckRange(common_shift_m, 0.0, 0.1, "common_shift_m");
   CheckRange(pairs_per_independent, 1.0, 1e6, "pairs_per_independent");
   CheckRange(max_sigmas, 0.1, 100.0, "max_sigmas");
 }
@@ -367,9 +368,10 @@ ViewRegistration RegisterView(const std::vector<SurfacePoint>& points_C,
   double gate = config.first_gate_m;
   std::vector<PointPlanePair> pairs;
   geometry::PointPlaneStep step;
+  double shift = 0.0;  // that all pairs may have in common
   const auto weigh = [&] {
     return geometry::SolvePointToPlane(
-        pairs, {X_WC.translation(), Between(X_WC, nominal_X_WC), prior_information},
+        pairs, {X_WC.translation(), Between(X_WC, nominal_X_WC), prior_information, shift},
         config.min_constraint);
   };
   for (int i = 0; i < config.iterations; ++i) {
@@ -382,10 +384,13 @@ ViewRegistration RegisterView(const std::vector<SurfacePoint>& points_C,
     if (settled && gate <= config.last_gate_m) break;
     gate = std::max(config.last_gate_m, gate * shrink);
   }
-  // They find the pose by their full weight, and hold it by what they are worth together.
-  for (PointPlanePair& pair : pairs) pair.weight /= config.pairs_per_independent;
+  // At last all pairs may be off together …
+  shift = config.common_shift_m;
   step = weigh();
   X_WC = step.X * X_WC;
+  // … and they hold the pose by what they are worth together.
+  for (PointPlanePair& pair : pairs) pair.weight /= config.pairs_per_independent;
+  step = weigh();
   result.constrained = step.constrained;
   result.pairs = static_cast<int>(pairs.size());
   result.rms = Rms(pairs);

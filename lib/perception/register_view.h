@@ -48,9 +48,10 @@ struct RegisterConfig {
   double max_normal_angle_deg{35};  ///< Between the normals of a pair.
   double max_slide_m{1.0};  ///< Pairs farther apart along the surface are none: one ends there.
   int iterations{30};
-  double min_constraint{0.005};        ///< Of SolvePointToPlane: less of the weight holds nothing.
-  int min_pairs{100};                  ///< Fewer are no registration.
-  double pairs_per_independent{12.0};  ///< So many pairs say as much as one independent one.
+  double min_constraint{0.005};       ///< Of SolvePointToPlane: less of the weight holds nothing.
+  int min_pairs{100};                 ///< Fewer are no registration.
+  double common_shift_m{0.001};       ///< All pairs may be off together by this.
+  double pairs_per_independent{5.0};  ///< So many pairs say as much as one independent one.
   double max_sigmas{5.0};  ///< Pairs that contradict the nominal pose by more are refused.
 
   template <class A>
@@ -76,6 +77,7 @@ struct RegisterConfig {
     a->Visit("iterations", &iterations);
     a->Visit("min_constraint", &min_constraint);
     a->Visit("min_pairs", &min_pairs);
+    a->Visit("common_shift_m", &common_shift_m);
     a->Visit("pairs_per_independent", &pairs_per_independent);
     a->Visit("max_sigmas", &max_sigmas);
   }

@@ -97,6 +97,21 @@ TEST(SolvePointToPlane, LetsTheMoreCertainOfPairsAndPriorPrevail) {
   EXPECT_NEAR(step.sigmas, 0.03 / std::sqrt(1.0 / 1e4 + 1.0 / 3e4), 1e-3);
 }
 
+TEST(SolvePointToPlane, CountsWhatAllPairsMayBeShiftedByOnceHoweverManyTheyAre) {
+  MotionPrior prior;  // it expects no motion at all
+  prior.information.diagonal().setConstant(1e9);
+  prior.information(5, 5) = 1.0 / (1.0 / 1e4 + 0.02 * 0.02);
+  prior.common_shift = 0.02;
+  // Across the plane the pairs' variance is 1 / 1e4 for themselves and 2 cm squared for the shift,
+  // as much as the prior's: they meet halfway.
+  const PointPlaneStep step = SolvePointToPlane(LowPlane(), prior);
+  EXPECT_NEAR((step.X * Eigen::Vector3d::Zero()).z(), 0.03 / 2.0, 1e-6);
+  EXPECT_NEAR(step.information(5, 5), prior.information(5, 5), 1e-3);
+  // Of a turn a shift takes nothing.
+  prior.common_shift = 0.0;
+  EXPECT_NEAR(step.information(0, 0), SolvePointToPlane(LowPlane(), prior).information(0, 0), 1e-9);
+}
+
 TEST(SolvePointToPlane, MakesThePriorsMoveFromFewerThanSixPairs) {
   MotionPrior prior;
   prior.p_AO = {1.0, 2.0, 3.0};

@@ -222,6 +222,7 @@ TEST(RegisterView, BringsViewsThatOverlapWithin5MillimetresAndHalfADegree) {
 
 TEST(RegisterView, FromTheOtherSideTheTablesEdgeStillHelpsAndNothingGetsMuchWorse) {
   std::vector<double> after;
+  double degrees = 0.0;
   double squared_sigmas = 0.0;
   int count = 0;
   for (std::uint64_t seed = 10; seed < 15; ++seed) {
@@ -232,6 +233,7 @@ TEST(RegisterView, FromTheOtherSideTheTablesEdgeStillHelpsAndNothingGetsMuchWors
       const Outcome outcome = Register(first, trial.Look(angle_deg), reference);
       EXPECT_LT(outcome.after.metres, outcome.before.metres + 0.01) << "seed " << seed;
       after.push_back(outcome.after.metres);
+      degrees += outcome.after.degrees;
       const Eigen::AngleAxisd turn(Eigen::Matrix3d(outcome.true_X_WC.linear() *
                                                    outcome.registration.X_WC.linear().transpose()));
       Eigen::Matrix<double, 6, 1> error;
@@ -243,6 +245,7 @@ TEST(RegisterView, FromTheOtherSideTheTablesEdgeStillHelpsAndNothingGetsMuchWors
   }
   std::sort(after.begin(), after.end());
   EXPECT_LT(after[after.size() / 2], 0.008);
+  EXPECT_LT(degrees / count, 0.25);
   // The covariance says about how wrong the poses are: 6 on average if it were exact.
   EXPECT_LT(squared_sigmas / count, 15.0);
   EXPECT_GT(squared_sigmas / count, 0.3);
