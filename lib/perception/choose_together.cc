@@ -15,6 +15,8 @@ using world::Hypothesis;
 constexpr int kProbes = 200;
 constexpr float kSkin = 0.008F;      // what touches, as it was measured, stands in less [m]
 constexpr double kMostInside = 0.2;  // of the points of either
+/// Nearer to each other than this, two of one model are one thing, thin as its walls may be [m].
+constexpr double kOnePlace = 0.008;
 
 bool Collide(const std::vector<RecognitionModel>& models, const Hypothesis& a,
              const Hypothesis& b) {
@@ -22,6 +24,7 @@ bool Collide(const std::vector<RecognitionModel>& models, const Hypothesis& a,
   const RecognitionModel& two = *FindModel(models, b.model);
   const double apart = (a.X_CM * one.center_M - b.X_CM * two.center_M).norm();
   if (apart > 0.5 * (one.diameter + two.diameter)) return false;
+  if (a.model == b.model && apart < kOnePlace) return true;
   return ShareInside(one, a.X_CM, two, b.X_CM) > kMostInside ||
          ShareInside(two, b.X_CM, one, a.X_CM) > kMostInside;
 }

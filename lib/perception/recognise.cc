@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -37,20 +38,28 @@ class Examination {
   /// for the best.
   std::vector<Hypothesis> Run(const std::vector<PoseGuess>& guesses) {
     for (const PoseGuess& guess : guesses) Follow(guess.X_CM);
-    KeepDistinct(kSameDistance, kSamePeak);
+    SortByScore(&found_);
+    KeepDistinct(kSameDistance, kSamePeak, config_.hypotheses_per_model);
     if (!found_.empty() && !found_.front().verification.accepted && found_.front().score > 0.5) {
       Add(RefinePose(model_, found_.front().X_CM, view_, label_, 6, &rasteriser_));
       SortByScore(&found_);
     }
+    if (found_.empty() || !found_.front().verification.accepted) return std::move(found_);
+    Polish();
     for (int round = 0; round < kRounds; ++round) {
-      if (found_.empty() || !found_.front().verification.accepted) break;
-      Polish();
       const Pose X_best = found_.front().X_CM;
       AddRivals(X_best);
-      CompareColors();
-      KeepDistinct(config_.tolerance_m, config_.tolerance_deg * kDegree);
-      if (found_.front().X_CM.isApprox(X_best)) break;
+      SortByColor();
+      KeepDistinct(kSameDistance, kSamePeak, kMostRivals);
+      SettleFitted(X_best);
+      SortByColor();
+      if (!found_.front().verification.accepted || found_.front().X_CM.isApprox(X_best)) break;
+      Polish();
     }
+    CompareColors();
+    SortByScore(&found_);
+    KeepDistinct(config_.tolerance_m, config_.tolerance_deg * kDegree,
+                 config_.hypotheses_per_model);
     return std::move(found_);
   }
 
@@ -62,11 +71,15 @@ class Examination {
   static constexpr RegistrationSigma kNoFreedom{1e-6, 1e-6};
   static constexpr double kNudge = 10.0 * kDegree;
   static constexpr double kRivalTurn = 20.0 * kDegree;
-  static constexpr int kSpotTurns = 12;        // about the support plane's normal
+  static constexpr int kSpotTurns = 24;        // about the support plane's normal
   static constexpr double kRivalShare = 0.7;   // of the best one's quality: less is no rival
   static constexpr double kRivalColor = 0.15;  // that its colours may agree less
   static constexpr std::size_t kPoints = 300;
   static constexpr int kRounds = 3;
+  static constexpr std::size_t kSettledRivals = 4;  // the best among them
+  static constexpr double kSettledDistance = 1e-4;  // [m]
+  static constexpr double kSettledAngle = 0.1 * kDegree;
+  static constexpr int kMostRivals = 10;           // that stay for the next round
   static constexpr double kHopelessHalfway = 0.6;  // of the share that must match in the end
   static constexpr double kHopeless = 0.85;
 
@@ -106,12 +119,11 @@ class Examination {
     return hypothesis;
   }
 
-  /// Keeps the best of the poses that are nearer to each other than this. Best first.
-  void KeepDistinct(double distance, double angle) {
-    SortByScore(&found_);
+  /// Keeps the first of the poses that are nearer to each other than this, and no more than `most`.
+  void KeepDistinct(double distance, double angle, int most) {
     std::vector<Hypothesis> kept;
     for (Hypothesis& hypothesis : found_) {
-      if (static_cast<int>(kept.size()) >= config_.hypotheses_per_model) break;
+      if (static_cast<int>(kept.size()) >= most) break;
       const bool known = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& other) {
         const PoseDistance d = DistanceUpToSymmetry(other.X_CM, hypothesis.X_CM, model_.symmetry,
                                                     model_.center_M, true);
@@ -124,25 +136,40 @@ class Examination {
 
   /// Turns the best by a little, to where it fits better.
   void Polish() {
-    const Pose X_polished = PolishByColor(model_, found_.front().X_CM, view_, label_);
-    Add(X_polished);
-    Add(RefinePose(model_, X_polished, view_, label_, 2, &rasteriser_));
-    SortByScore(&found_);
-    Settle();
+    Hypothesis& best = found_.front();
+    const Pose X_polished = PolishByColor(model_, best.X_CM, view_, label_);
+    for (const Pose& X_CM :
+         {X_polished, RefinePose(model_, X_polished, view_, label_, 2, &rasteriser_)}) {
+      Hypothesis polished = Verified(X_CM);
+      if (polished.score > best.score) best = std::move(polished);
+    }
+    Settle(&best);
   }
 
-  /// Moves the best to where depth, outline and colours together hold it: of poses so near to each
+  /// Settles the likeliest of the rivals that were fitted anew. What the symmetry of the shape made
+  /// of the best is as settled as that.
+  void SettleFitted(const Pose& X_best) {
+    for (std::size_t i = 1; i < std::min(found_.size(), kSettledRivals); ++i) {
+      const PoseDistance d =
+          DistanceUpToSymmetry(X_best, found_[i].X_CM, model_.symmetry, model_.center_M, false);
+      if (d.translation > kSettledDistance || d.rotation > kSettledAngle) Settle(&found_[i]);
+    }
+  }
+
+  /// Moves a pose to where depth, outline and colours together hold it: of poses so near to each
   /// other that their scores differ by chance, the one of the least squares is the most exact.
-  void Settle() {
-    Hypothesis& best = found_.front();
-    const JointPose joint = RefineTogether(model_, {PlacedModel{&view_, label_, best.X_CM}},
+  void Settle(Hypothesis* hypothesis) {
+    if (!hypothesis->verification.accepted) return;
+    const JointPose joint = RefineTogether(model_, {PlacedModel{&view_, label_, hypothesis->X_CM}},
                                            kNoFreedom, 4, &rasteriser_);
     Hypothesis settled = Verified(joint.X_CM.front());
-    const PoseDistance d =
-        DistanceUpToSymmetry(best.X_CM, settled.X_CM, model_.symmetry, model_.center_M, true);
+    const PoseDistance d = DistanceUpToSymmetry(hypothesis->X_CM, settled.X_CM, model_.symmetry,
+                                                model_.center_M, true);
     const bool same = d.translation < kSameDistance && d.rotation < kSamePeak;
     if (!same || !settled.verification.accepted) return;
-    if (LogOdds(settled.score) > LogOdds(best.score) - kByChance) best = std::move(settled);
+    if (LogOdds(settled.score) > LogOdds(hypothesis->score) - kByChance) {
+      *hypothesis = std::move(settled);
+    }
   }
 
   /// Turned about the support plane's normal, what shows of it staying where it is.
@@ -204,10 +231,9 @@ class Examination {
     }
   }
 
-  /// Weighs the poses against each other by the colours where they differ, too. The likeliest keeps
-  /// its score, as the model as a whole is no likelier for it; the others get what they lack of it.
-  /// Colours do not make good what the shape refuses.
-  void CompareColors() {
+  /// What the colours where the poses differ make of the log-odds of each. Colours do not make good
+  /// what the shape refuses.
+  std::vector<double> OddsByColor() {
     const PosedColors first(model_, found_.front().X_CM, view_);
     std::vector<double> odds;
     for (const Hypothesis& h : found_) {
@@ -215,6 +241,26 @@ class Examination {
       if (!h.verification.accepted) lead = std::max(lead, 0.0);
       odds.push_back(LogOdds(h.score) - lead);
     }
+    return odds;
+  }
+
+  /// The likeliest first, by the colours, too. The scores stay as they are: those of the next round
+  /// have to be held against them.
+  void SortByColor() {
+    const std::vector<double> odds = OddsByColor();
+    std::vector<std::size_t> order(found_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return odds[a] > odds[b]; });
+    std::vector<Hypothesis> sorted;
+    for (const std::size_t i : order) sorted.push_back(std::move(found_[i]));
+    found_ = std::move(sorted);
+  }
+
+  /// Weighs the poses against each other by the colours where they differ, too. The likeliest keeps
+  /// its score, as the model as a whole is no likelier for it; the others get what they lack of it.
+  void CompareColors() {
+    const std::vector<double> odds = OddsByColor();
     const auto best = std::max_element(odds.begin(), odds.end());
     const double score = LogOdds(found_[static_cast<std::size_t>(best - odds.begin())].score);
     for (std::size_t i = 0; i < found_.size(); ++i) {

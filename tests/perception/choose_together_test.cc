@@ -17,7 +17,8 @@ class Choosing : public ::testing::Test {
   static const std::vector<RecognitionModel>& Models() {
     static const std::vector<RecognitionModel> models =
         TrainModels(world::ObjectDatabase({MakeBoxModel("crate", {0.2, 0.12, 0.1}, kGrey, kGrey),
-                                           MakeBoxModel("cube", {0.05, 0.05, 0.05}, kRed, kRed)}));
+                                           MakeBoxModel("cube", {0.05, 0.05, 0.05}, kRed, kRed),
+                                           MakeBoxModel("card", {0.2, 0.1, 0.003}, kRed, kGrey)}));
     return models;
   }
 
@@ -73,6 +74,15 @@ TEST_F(Choosing, CountsAThingCutInTwoOnce) {
   EXPECT_EQ(choices[0].hypothesis, -1);
   EXPECT_EQ(choices[0].reason, "is a part of the crate beside it");
   EXPECT_EQ(choices[1].hypothesis, 0);
+}
+
+TEST_F(Choosing, CountsAThinThingSeenFromBothItsSidesOnce) {
+  // 8 mm below its surface nothing of it is left that the other could stand in.
+  const auto choices =
+      Choose({Of({At("card", 0.0, 0.0, 0.99, 3000)}), Of({At("card", 0.002, 0.0, 0.99, 1000)})});
+  EXPECT_EQ(choices[0].hypothesis, 0);
+  EXPECT_EQ(choices[1].hypothesis, -1);
+  EXPECT_EQ(choices[1].reason, "is a part of the card beside it");
 }
 
 TEST_F(Choosing, CountsTwoOfAKindTwice) {
