@@ -263,7 +263,8 @@ AspectGraph ScoreAspectGraph(const world::VoxelSpace& space, const geometry::Cam
   camera.Validate("of the aspect graph");
   RequireValid(target);
   const LookStrategy strategy = ParseLookStrategy(config.strategy);
-  const double scale = static_cast<double>(config.ray_columns) / camera.width;
+  const int columns = target.id < 0 ? config.region_ray_columns : config.ray_columns;
+  const double scale = static_cast<double>(columns) / camera.width;
   const geometry::CameraModel modelled = camera.Scaled(scale);
   const Belief belief = BeliefOf(target);
   AspectGraph graph{std::move(looks), {}};

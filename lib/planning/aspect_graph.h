@@ -51,7 +51,7 @@ struct AspectGraph {
 ///   score      = gain per second of the best plan of one or two looks that begins with this one
 ///                (GainsLookingAhead), or what the strategy says instead.
 ///
-/// @param camera The real camera; it is modelled with ray_columns columns.
+/// @param camera The real camera; it is modelled with ray_columns columns, or region_ray_columns.
 /// @param rng Used by the strategy "random" alone. Not null.
 /// @throws ConfigError when `config` is not valid; InvalidArgument for a box that is empty, not
 /// finite or smaller than 1 mm, a pose or direction that is not valid, or a null mesh.
