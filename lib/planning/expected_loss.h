@@ -50,8 +50,8 @@ struct Outcome {
 /// What a view may show of the alternatives, with the chance that it does.
 struct Prospect {
   double probability{1.0};
-  /// [n, n], symmetric, >= 0 [nat]: (i, j) is the evidence for i against j that the view is
-  /// expected to give when i is true. 0: they look alike from there.
+  /// [n, n], >= 0 [nat]: (i, j) is the evidence for i against j that the view is expected to give
+  /// when i is true. 0: they look alike from there.
   Eigen::MatrixXd evidence;
 };
 
