@@ -29,7 +29,8 @@ double InnerShare(const PosedModel& model, const geometry::CameraModel& camera, 
   std::vector<BoxRay> around;
   for (std::size_t k = 0; k < samples; ++k) {
     const BoxRay& ray = rays[hit[k * hit.size() / samples]];
-    for (const Eigen::Vector3d& corner_W : corners_W) around.push_back({ray.direction_W + corner_W});
+    for (const Eigen::Vector3d& corner_W : corners_W)
+      around.push_back({ray.direction_W + corner_W});
   }
   const std::vector<geometry::RayHit> hits_around = CastAt(model, X_WC, around);
   std::size_t inner = 0;

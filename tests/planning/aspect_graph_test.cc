@@ -292,6 +292,20 @@ TEST(AspectGraph, ALookThatBringsLessThanItsTimeCostsIsRefused) {
   EXPECT_THAT(graph.looks[1].reason, ::testing::HasSubstr("at least 0.01 wanted"));
 }
 
+TEST(AspectGraph, AViewThatShowsAThingAsRimAloneIsNoEvidenceForIt) {
+  const auto evidence = [](const Vector3d& size) {
+    const Model thing(geometry::MakeBox(size, kGrey));
+    AspectTarget target = BoxTarget({0.3, 0.3, 0.1});
+    target.hypotheses = {thing.At(kTarget, 0.4)};
+    return Score(FreeSpace(), target, Ring(4)).scores[1].prospects.at(0).evidence;
+  };
+  const Eigen::MatrixXd of_box = evidence({0.2, 0.1, 0.1});
+  EXPECT_NEAR(of_box(0, 1), of_box(1, 0), 0.02 * of_box(1, 0));
+  const Eigen::MatrixXd of_wire = evidence({0.3, 0.002, 0.002});  // 1 pixel
+  EXPECT_GT(of_wire(1, 0), 0.0) << "against it";
+  EXPECT_LT(of_wire(0, 1), 1e-3 * of_wire(1, 0));
+}
+
 TEST(AspectGraph, TwinsOfDifferentColourDifferEverywhere) {
   const Vector3d size(0.1, 0.1, 0.1);
   const Model red(geometry::MakeBox(size, {0.8F, 0.1F, 0.1F}));

@@ -42,9 +42,7 @@ TEST(InnerShare, GrowsAsTheCameraComesNear) {
   EXPECT_GT(InnerShareOf({0.01, 0.3, 0.01}, 0.5), InnerShareOf({0.01, 0.3, 0.01}, 2.0) + 0.2);
 }
 
-TEST(InnerShare, OfWhatNoRayHitsIsNone) {
-  EXPECT_EQ(InnerShareOf({1e-4, 1e-4, 1e-4}, 1.0), 0.0);
-}
+TEST(InnerShare, OfWhatNoRayHitsIsNone) { EXPECT_EQ(InnerShareOf({1e-4, 1e-4, 1e-4}, 1.0), 0.0); }
 
 }  // namespace
 }  // namespace secondlook::planning
