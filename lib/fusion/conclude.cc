@@ -189,6 +189,12 @@ bool ConcludeByLooks(const world::Task& task, const ConcludeConfig& config,
   return true;
 }
 
+/// Some view accepts a hypothesis that is still in question.
+bool IsAccepted(const ObjectBelief& object) {
+  return std::any_of(object.hypotheses.begin(), object.hypotheses.end(),
+                     [](const PoseHypothesis& h) { return !h.struck && AcceptingShare(h) > 0.0; });
+}
+
 /// Another pose of the best hypothesis's model that the views cannot rule out, or null.
 const PoseHypothesis* PoseRival(const ObjectBelief& object, const ConcludeConfig& config) {
   const PoseHypothesis& best = object.hypotheses.front();
@@ -254,7 +260,11 @@ void Conclude(const world::Task& task, const ConcludeConfig& config, int clear_v
                    });
   const world::MassFunction shape = FuseViews(*object, config);
   const PoseHypothesis* best = object->Best();
-  const bool fits = best != nullptr && NormalisedIgnorance(shape) < config.unknown_ignorance;
+  // Views that refuse all do so for one cause, e.g. wires too thin to be measured: what little they
+  // leave does not add up.
+  const bool refused = clear_views > config.unknown_views && !IsAccepted(*object);
+  const bool fits =
+      best != nullptr && !refused && NormalisedIgnorance(shape) < config.unknown_ignorance;
   const bool seen = clear_views >= config.unknown_views;
   object->masses = Joined(shape, appearance, *object, !fits && seen);
   object->state = ObjectState::kCandidate;

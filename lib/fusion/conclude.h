@@ -40,9 +40,10 @@ struct ConcludeConfig {
   int min_objecting_px = 250;
   /// Each view's masses are discounted by this (Shafer): views share errors.
   double view_reliability = 0.97;
-  /// An object is unknown when at least this many views saw it …
+  /// An object is unknown when at least this many views saw it clearly …
   int unknown_views = 2;
-  /// … and m(Omega) / (1 - m(empty)) is still at least this: nothing in the database fits.
+  /// … and m(Omega) / (1 - m(empty)) is still at least this: nothing in the database fits. It is
+  /// unknown as well when one more did, and none of them accepts a hypothesis.
   double unknown_ignorance = 0.6;
 
   template <class A>

@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "lib/common/parallel.h"
+#include "lib/perception/verify.h"
 #include "lib/planning/environment_analysis.h"
 #include "lib/planning/look_check.h"
+#include "lib/planning/rim.h"
 
 namespace secondlook::planning {
 namespace {
@@ -32,6 +34,12 @@ class Prospects {
         config_.evidence * novelty_ * difference * pixels / (pixels + config_.few_px) / rays.all;
     open_(i, j) = open_(j, i) = each * rays.arriving;
     closed_(i, j) = closed_(j, i) = each * rays.through_free;
+  }
+
+  /// If alternative i is true, the view shows it only with this chance.
+  void Doubt(int i, double chance) {
+    open_.row(i) *= chance;
+    closed_.row(i) *= chance;
   }
 
   std::vector<Prospect> List() const {
@@ -109,9 +117,18 @@ std::vector<double> Beliefs(const std::vector<PosedModel>& hypotheses) {
   return beliefs;
 }
 
-AspectScore Analyse(const world::VoxelSpace& space, const geometry::CameraModel& camera,
-                    double pixels_a_ray, const AspectTarget& target, const Pose& X_WC,
+/// The chance that a view accepts a hypothesis of which it shows so much that is no rim.
+double AcceptanceChance(double inner_share) {
+  constexpr double kSigma = 0.1;  // of InnerShare(), which asks few rays
+  const double least = perception::VerifyConfig().min_inner;
+  return 0.5 * std::erfc((least - inner_share) / (std::numbers::sqrt2 * kSigma));
+}
+
+AspectScore Analyse(const world::VoxelSpace& space, const geometry::CameraModel& real_camera,
+                    double scale, const AspectTarget& target, const Pose& X_WC,
                     const AspectGraphConfig& config) {
+  const geometry::CameraModel camera = real_camera.Scaled(scale);
+  const double pixels_a_ray = 1.0 / (scale * scale);
   AspectScore score;
   score.novelty = Novelty(DirectionOf(target, X_WC), target, config);
   const BoxRays cast = CastToBox(space, camera, X_WC, target.box_W, config);
@@ -149,6 +166,10 @@ AspectScore Analyse(const world::VoxelSpace& space, const geometry::CameraModel&
     }
   }
   if (pairs > 0.0) score.difference /= pairs;
+  for (int i = 0; i < static_cast<int>(hits.size()); ++i) {
+    const double inner = InnerShare(target.hypotheses[i], real_camera, X_WC, rays, hits[i]);
+    prospects.Doubt(i, AcceptanceChance(inner));
+  }
   score.prospects = prospects.List();
   return score;
 }
@@ -263,8 +284,8 @@ AspectGraph ScoreAspectGraph(const world::VoxelSpace& space, const geometry::Cam
   camera.Validate("of the aspect graph");
   RequireValid(target);
   const LookStrategy strategy = ParseLookStrategy(config.strategy);
-  const double scale = static_cast<double>(config.ray_columns) / camera.width;
-  const geometry::CameraModel modelled = camera.Scaled(scale);
+  const int columns = target.id < 0 ? config.region_ray_columns : config.ray_columns;
+  const double scale = static_cast<double>(columns) / camera.width;
   const Belief belief = BeliefOf(target);
   AspectGraph graph{std::move(looks), {}};
   const int count = static_cast<int>(graph.looks.size());
@@ -273,7 +294,7 @@ AspectGraph ScoreAspectGraph(const world::VoxelSpace& space, const geometry::Cam
     world::Look& look = graph.looks[i];
     if (!look.feasible) return;
     AspectScore& score = graph.scores[i];
-    score = Analyse(space, modelled, 1.0 / (scale * scale), target, look.X_WC, config);
+    score = Analyse(space, camera, scale, target, look.X_WC, config);
     look.visibility = MeanShare(target, score, &ModelVisibility::box_share);
     look.gain = Gain(target, belief, score, look.visibility, config);
   });

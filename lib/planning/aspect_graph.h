@@ -41,8 +41,9 @@ struct AspectGraph {
 /// the default strategy also compares what each ray would measure, depth and colour, and predicts
 /// what would be believed after the view. The evidence of a view is the share of the rays on which
 /// two hypotheses differ, times `evidence`, novelty and pixels / (pixels + few_px); unknown space
-/// on the way hides what is behind all of it, or nothing. A target without a model has the
-/// environment analysis alone.
+/// on the way hides what is behind all of it, or nothing. For a hypothesis it counts by the chance
+/// that verification accepts it from there: what is nearly all rim (InnerShare()) never is. A
+/// target without a model has the environment analysis alone.
 ///
 /// Fills in visibility, gain, score and the check "visible" of each look, by the default strategy
 /// "worth its time", too:
@@ -51,7 +52,7 @@ struct AspectGraph {
 ///   score      = gain per second of the best plan of one or two looks that begins with this one
 ///                (GainsLookingAhead), or what the strategy says instead.
 ///
-/// @param camera The real camera; it is modelled with ray_columns columns.
+/// @param camera The real camera; it is modelled with ray_columns columns, or region_ray_columns.
 /// @param rng Used by the strategy "random" alone. Not null.
 /// @throws ConfigError when `config` is not valid; InvalidArgument for a box that is empty, not
 /// finite or smaller than 1 mm, a pose or direction that is not valid, or a null mesh.

@@ -31,9 +31,8 @@ LookStrategy ParseLookStrategy(const std::string& text) {
 
 void AspectGraphConfig::Validate() const {
   ParseLookStrategy(strategy);
-  if (ray_columns < 8 || ray_columns > 4096) {
-    Throw<ConfigError>("ray_columns = {} must lie in 8..4096", ray_columns);
-  }
+  CheckRange(ray_columns, 8, 4096, "ray_columns");
+  CheckRange(region_ray_columns, 8, 4096, "region_ray_columns");
   CheckRange(box_margin_m, 0.0, 1.0, "box_margin_m");
   CheckRange(unknown_m, 0.0, 10.0, "unknown_m");
   CheckRange(unknown_survival, 0.0, 1.0, "unknown_survival");

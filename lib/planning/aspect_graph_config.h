@@ -26,14 +26,17 @@ LookStrategy ParseLookStrategy(const std::string& text);
 /// the task, to be set by who gives it: `loss`. Of the paper (McGreavy 2016) or its peers:
 /// `fixed_step_deg` (Wixson 1994). Chosen by hand, and backed by no measurement but that the looks
 /// that are taken settle things (experiments `unobstructed` to `rejection`): `ray_columns`,
-/// `box_margin_m` (three voxels), `unknown_m` (four voxels), `unknown_survival` (nothing is known:
-/// even odds), `min_visibility`, `same_view_deg`, `new_view_deg`, `new_view_unknown_deg`,
-/// `same_view_novelty`, `color_difference`, `unlike`, `few_px`.
+/// `region_ray_columns`, `box_margin_m` (three voxels), `unknown_m` (four voxels),
+/// `unknown_survival` (nothing is known: even odds), `min_visibility`, `same_view_deg`,
+/// `new_view_deg`, `new_view_unknown_deg`, `same_view_novelty`, `color_difference`, `unlike`,
+/// `few_px`.
 struct AspectGraphConfig {
   std::string strategy{"expected loss"};
   LossConfig loss;
   LookAheadConfig look_ahead;
   int ray_columns{160};          ///< Of the modelled camera; its rows follow from the camera's.
+  int region_ray_columns{80};    ///< Likewise for space where a thing could stand unseen, which has
+                                 ///< a share that is visible, but no shape.
   double box_margin_m{0.03};     ///< Voxels so near to the target's box may be the target itself.
   double unknown_m{0.04};        ///< A ray that crosses more unknown space is probably occluded…
   double unknown_survival{0.5};  ///< …and counts so much.
@@ -60,6 +63,7 @@ struct AspectGraphConfig {
     a->Visit("loss", &loss);
     a->Visit("look_ahead", &look_ahead);
     a->Visit("ray_columns", &ray_columns);
+    a->Visit("region_ray_columns", &region_ray_columns);
     a->Visit("box_margin_m", &box_margin_m);
     a->Visit("unknown_m", &unknown_m);
     a->Visit("unknown_survival", &unknown_survival);

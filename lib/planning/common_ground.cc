@@ -24,17 +24,21 @@ CommonGround::CommonGround(const std::vector<perception::SurfacePoint>& referenc
 
 double CommonGround::Pairs(const Pose& X_WC, const hal::CameraInfo& camera) const {
   const Pose X_CW = X_WC.inverse();
-  const auto shared = std::count_if(
-      upright_W_.begin(), upright_W_.end(), [&](const perception::SurfacePoint& point) {
-        const Eigen::Vector3d to_camera = X_WC.translation() - point.p_AP;
-        if (point.normal_A.dot(to_camera) < kMinFacing * to_camera.norm()) return false;
-        const Eigen::Vector3d p_CP = X_CW * point.p_AP;
-        if (camera.has_depth && !(p_CP.z() > camera.min_depth && p_CP.z() < camera.max_depth)) {
-          return false;
-        }
-        return camera.model.Project(p_CP).has_value();
-      });
-  return pairs_a_point_ * static_cast<double>(shared);
+  const auto shared = [&](const perception::SurfacePoint& point) {
+    const Eigen::Vector3d to_camera = X_WC.translation() - point.p_AP;
+    if (point.normal_A.dot(to_camera) < kMinFacing * to_camera.norm()) return false;
+    const Eigen::Vector3d p_CP = X_CW * point.p_AP;
+    if (camera.has_depth && !(p_CP.z() > camera.min_depth && p_CP.z() < camera.max_depth)) {
+      return false;
+    }
+    return camera.model.Project(p_CP).has_value();
+  };
+  double pairs = 0.0;
+  for (const perception::SurfacePoint& point : upright_W_) {
+    if (pairs >= min_pairs_) break;
+    if (shared(point)) pairs += pairs_a_point_;
+  }
+  return pairs;
 }
 
 double CommonGround::ChanceOf(double pairs) const {

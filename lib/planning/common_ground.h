@@ -19,6 +19,7 @@ class CommonGround {
   /// How many pairs of upright surface a view from `X_WC` would have in common with the map, if
   /// nothing new stood in between. A level surface holds height and tilt alone, so it is not
   /// counted: of a thing by itself, a view from behind shares nothing with one from the front.
+  /// Not counted on once there are as many as registration wants.
   double Pairs(const Pose& X_WC, const hal::CameraInfo& camera) const;
 
   /// The chance that a view with so many pairs can be registered: 1 with as many as registration

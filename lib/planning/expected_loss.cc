@@ -23,18 +23,37 @@ constexpr std::array<Luck, 5> kLuck{{{-2.8569700138728056, 0.0112574113277207},
                                      {1.3556261799742659, 0.2220759220056126},
                                      {2.8569700138728056, 0.0112574113277207}}};
 
-/// What is believed when alternative `truth` is true and a view gave evidence for it.
-Belief Posterior(const Belief& prior, const Eigen::MatrixXd& evidence, int truth, double sigmas) {
+/// What is believed when a view says this.
+Belief Posterior(const Belief& prior, const std::vector<double>& likelihoods) {
   Belief posterior = prior;
   double sum = 0.0;
-  for (int i = 0; i < static_cast<int>(prior.alternatives.size()); ++i) {
-    const double k = i == truth ? 0.0 : evidence(truth, i);
+  for (std::size_t i = 0; i < likelihoods.size(); ++i) {
     double& p = posterior.alternatives[i].probability;
-    p *= std::exp(-(k + std::sqrt(2.0 * k) * sigmas));
+    p *= likelihoods[i];
     sum += p;
   }
   for (Alternative& a : posterior.alternatives) a.probability /= sum;
   return posterior;
+}
+
+/// The loss by a wrong decision for `a`.
+double LossIfWrong(const Alternative& a, const LossConfig& config) {
+  return std::max(config.wrong, config.unsettled / (1.0 - a.needed));
+}
+
+/// Loss() of Posterior().
+double LossAfter(const Belief& prior, const std::vector<double>& likelihoods,
+                 const LossConfig& config) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < likelihoods.size(); ++i) {
+    sum += prior.alternatives[i].probability * likelihoods[i];
+  }
+  double least = config.unsettled;
+  for (std::size_t i = 0; i < likelihoods.size(); ++i) {
+    const Alternative& a = prior.alternatives[i];
+    least = std::min(least, LossIfWrong(a, config) * (1.0 - a.probability * likelihoods[i] / sum));
+  }
+  return least + config.incomplete * prior.incomplete;
 }
 
 }  // namespace
@@ -52,8 +71,7 @@ double Loss(const Belief& belief, const LossConfig& config) {
   if (belief.alternatives.empty()) return incomplete;
   double least = config.unsettled;
   for (const Alternative& a : belief.alternatives) {
-    const double wrong = std::max(config.wrong, config.unsettled / (1.0 - a.needed));
-    least = std::min(least, wrong * (1.0 - a.probability));
+    least = std::min(least, LossIfWrong(a, config) * (1.0 - a.probability));
   }
   return least + incomplete;
 }
@@ -66,27 +84,51 @@ double ExpectedLoss(const std::vector<Outcome>& outcomes, const LossConfig& conf
   return expected;
 }
 
-std::vector<Outcome> Outcomes(const Belief& prior, const std::vector<Prospect>& prospects) {
-  const int count = static_cast<int>(prior.alternatives.size());
-  std::vector<Outcome> outcomes;
+std::vector<Reading> Readings(const std::vector<Prospect>& prospects, int alternatives) {
+  std::vector<Reading> readings;
   for (const Prospect& prospect : prospects) {
-    if (prospect.evidence.rows() != count || prospect.evidence.cols() != count ||
-        !(count == 0 || prospect.evidence.minCoeff() >= 0.0)) {
+    const Eigen::MatrixXd& evidence = prospect.evidence;
+    if (evidence.rows() != alternatives || evidence.cols() != alternatives ||
+        !(alternatives == 0 || evidence.minCoeff() >= 0.0)) {
       Throw<InvalidArgument>(
           "expected loss: the evidence of a prospect is {} x {} for {} alternatives; it must be "
           "square, of their number and not negative",
-          prospect.evidence.rows(), prospect.evidence.cols(), count);
+          evidence.rows(), evidence.cols(), alternatives);
     }
-    for (int truth = 0; truth < count; ++truth) {
-      const double p = prior.alternatives[truth].probability;
-      if (!(p > 0.0)) continue;
+    for (int truth = 0; truth < alternatives; ++truth) {
       for (const Luck& luck : kLuck) {
-        outcomes.push_back({prospect.probability * p * luck.probability,
-                            Posterior(prior, prospect.evidence, truth, luck.sigmas)});
+        Reading& reading = readings.emplace_back();
+        reading.probability = prospect.probability * luck.probability;
+        reading.truth = truth;
+        for (int i = 0; i < alternatives; ++i) {
+          const double k = i == truth ? 0.0 : evidence(truth, i);
+          reading.likelihoods.push_back(std::exp(-(k + std::sqrt(2.0 * k) * luck.sigmas)));
+        }
       }
     }
   }
+  return readings;
+}
+
+std::vector<Outcome> Outcomes(const Belief& prior, const std::vector<Prospect>& prospects) {
+  std::vector<Outcome> outcomes;
+  for (const Reading& reading : Readings(prospects, static_cast<int>(prior.alternatives.size()))) {
+    const double p = prior.alternatives[reading.truth].probability;
+    if (!(p > 0.0)) continue;
+    outcomes.push_back({p * reading.probability, Posterior(prior, reading.likelihoods)});
+  }
   return outcomes;
+}
+
+double ExpectedLossAfter(const Belief& prior, const std::vector<Reading>& readings,
+                         const LossConfig& config) {
+  double expected = 0.0;
+  for (const Reading& reading : readings) {
+    const double p = prior.alternatives[reading.truth].probability;
+    if (!(p > 0.0)) continue;
+    expected += p * reading.probability * LossAfter(prior, reading.likelihoods, config);
+  }
+  return expected;
 }
 
 double GainPerSecond(const Belief& prior, const std::vector<Outcome>& outcomes, double seconds,

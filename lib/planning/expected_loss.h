@@ -50,8 +50,8 @@ struct Outcome {
 /// What a view may show of the alternatives, with the chance that it does.
 struct Prospect {
   double probability{1.0};
-  /// [n, n], symmetric, >= 0 [nat]: (i, j) is the evidence for i against j that the view is
-  /// expected to give when i is true. 0: they look alike from there.
+  /// [n, n], >= 0 [nat]: (i, j) is the evidence for i against j that the view is expected to give
+  /// when i is true. 0: they look alike from there.
   Eigen::MatrixXd evidence;
 };
 
@@ -62,11 +62,28 @@ double Loss(const Belief& belief, const LossConfig& config);
 
 double ExpectedLoss(const std::vector<Outcome>& outcomes, const LossConfig& config);
 
-/// How a look may turn out, for every alternative that may be true and for the luck of the view:
-/// evidence k comes out normal, with mean k and variance 2 k, as that of n independent Gaussian
-/// measurements does. Its probabilities sum to 1.
+/// What a view may say: of every alternative how likely that is, up to a factor.
+struct Reading {
+  double probability{};  ///< When `truth` is true.
+  int truth{};
+  std::vector<double> likelihoods;  ///< One an alternative.
+};
+
+/// For every alternative that may be true and for the luck of the view what it may say: evidence k
+/// comes out normal, with mean k and variance 2 k, as that of n independent Gaussian measurements
+/// does. For each truth the probabilities sum to 1.
 /// @throws InvalidArgument when a prospect's evidence does not fit the alternatives.
+std::vector<Reading> Readings(const std::vector<Prospect>& prospects, int alternatives);
+
+/// What would be believed after each of the Readings(). The probabilities sum to 1.
+/// @throws InvalidArgument likewise.
 std::vector<Outcome> Outcomes(const Belief& prior, const std::vector<Prospect>& prospects);
+
+/// ExpectedLoss() of the Outcomes() of these `readings`, for less work where the same view is
+/// weighed for many beliefs.
+/// @pre the readings are about as many alternatives.
+double ExpectedLossAfter(const Belief& prior, const std::vector<Reading>& readings,
+                         const LossConfig& config);
 
 /// The expected drop of the loss by a look with these outcomes, per second that it takes: the same
 /// for a view that tells poses apart, a vote that sharpens a class and a scan that completes a

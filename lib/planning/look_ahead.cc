@@ -25,13 +25,14 @@ std::vector<int> Highest(const std::vector<double>& values, int count) {
 /// The gain per second of a look that takes `seconds`, turns out as in `outcomes`, and is followed
 /// by a second one where that raises the gain per second.
 double GainOfTwo(const Belief& prior, const std::vector<Outcome>& outcomes, double seconds,
-                 const std::vector<Prospect>& second, double second_seconds,
+                 const std::vector<Reading>& second, double second_seconds,
                  const LossConfig& loss) {
   double gain = Loss(prior, loss) - ExpectedLoss(outcomes, loss);
   const double gain_per_second = gain / seconds;
   for (const Outcome& outcome : outcomes) {
-    const double more =
-        Loss(outcome.belief, loss) - ExpectedLoss(Outcomes(outcome.belief, second), loss);
+    const double most = Loss(outcome.belief, loss);
+    if (most <= gain_per_second * second_seconds) continue;
+    const double more = most - ExpectedLossAfter(outcome.belief, second, loss);
     if (more <= gain_per_second * second_seconds) continue;
     gain += outcome.probability * more;
     seconds += outcome.probability * second_seconds;
@@ -65,9 +66,11 @@ std::vector<double> GainsLookingAhead(const Belief& prior, const std::vector<Loo
     for (const int second : seconds) {
       const Sequel sequel = after(first, second);
       if (second == first || !(sequel.share > 0.0)) continue;
+      const std::vector<Reading> readings =
+          Readings(Weakened(options[second].prospects, sequel.share),
+                   static_cast<int>(prior.alternatives.size()));
       const double gain =
-          GainOfTwo(prior, outcomes[first], options[first].seconds,
-                    Weakened(options[second].prospects, sequel.share), sequel.seconds, loss);
+          GainOfTwo(prior, outcomes[first], options[first].seconds, readings, sequel.seconds, loss);
       gains[first] = std::max(gains[first], gain);
     }
     best = std::max(best, gains[first]);

@@ -96,10 +96,10 @@ double Routes::CostTo(const CostMap::Cell& cell) const { return cost_[Index(cell
 double Routes::LineCost(const Eigen::Vector2d& from_W, const Eigen::Vector2d& to_W) const {
   const double length = (to_W - from_W).norm();
   const int steps = std::max(1, static_cast<int>(std::ceil(length / (0.25 * map_.cell()))));
+  const Eigen::Vector2d step = (to_W - from_W) / steps;
   double cost = 0.0;
   for (int i = 0; i <= steps; ++i) {
-    const CostMap::Cell cell =
-        map_.CellOf(from_W + (to_W - from_W) * (static_cast<double>(i) / steps));
+    const CostMap::Cell cell = map_.CellOf(from_W + i * step);
     if (!map_.Contains(cell) || !map_.Passable(cell)) return kNoWay;
     // The ends count half (trapezoidal rule).
     cost += map_.Cost(cell) * (i == 0 || i == steps ? 0.5 : 1.0);

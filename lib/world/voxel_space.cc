@@ -179,11 +179,16 @@ std::optional<double> VoxelSpace::ProbabilityAt(const Vector3d& p_WQ) const {
   return GridAt(p_WQ).ProbabilityAt(p_WQ);
 }
 
-/// Adds what the line from A to B meets of one layer. Out of its grid all is unknown. True when it
-/// is blocked.
 bool VoxelSpace::Follow(const Layer& layer, const Vector3d& p_WA, const Vector3d& p_WB,
                         Passage* passage) {
-  const RayEnd end = CastRayThroughUnknown(layer.grid, layer.leaps, p_WA, p_WB);
+  return Follow(layer, p_WA, p_WB, CastRayThroughUnknown(layer.grid, layer.leaps, p_WA, p_WB),
+                passage);
+}
+
+/// Adds what the line from A to B, which ends so, meets of one layer. Out of its grid all is
+/// unknown. True when it is blocked.
+bool VoxelSpace::Follow(const Layer& layer, const Vector3d& p_WA, const Vector3d& p_WB,
+                        const RayEnd& end, Passage* passage) {
   const auto [enter, leave] = ShareInside(layer.grid.box_W(), p_WA, p_WB);
   passage->blocked = end.state == Occupancy::kOccupied;
   const double outside = enter < leave ? enter + (passage->blocked ? 0.0 : 1.0 - leave) : 1.0;
@@ -209,29 +214,47 @@ Passage VoxelSpace::Cast(const Vector3d& p_WA, const Vector3d& p_WB) const {
 }
 
 std::vector<Passage> VoxelSpace::Cast(const RayFan& fan) const {
-  std::vector<RayEnd> ends;
-  if (workspace_) ends = CastFanThroughUnknown(workspace_->grid, workspace_->leaps, fan);
   const Vector3d p_WC = fan.X_WC.translation();
-  std::vector<Passage> passages;
-  passages.reserve(fan.depth.size());
-  for (std::size_t i = 0; i < fan.depth.size(); ++i) {
-    const int u = fan.first.x() + static_cast<int>(i) % fan.size.x();
-    const int v = fan.first.y() + static_cast<int>(i) / fan.size.x();
-    const Vector3d direction_W = fan.X_WC.linear() * fan.camera.Ray(u, v);
-    const Vector3d p_WB = p_WC + fan.depth[i] * direction_W;
-    Passage& passage = passages.emplace_back(Passage{false, p_WB, 0.0});
-    if (!(fan.depth[i] > 0.0)) continue;
+  const auto direction_W = [&](int i) -> Vector3d {
+    const Eigen::Vector2i at(i % fan.size.x(), i / fan.size.x());
+    return fan.X_WC.linear() * fan.camera.Ray(fan.first.x() + at.x(), fan.first.y() + at.y());
+  };
+  // Those rays that end in the workspace are cast side by side: up to it, then through it.
+  RayFan before = fan;
+  RayFan within = fan;
+  for (int i = 0; i < static_cast<int>(fan.depth.size()); ++i) {
+    const Vector3d p_WB = p_WC + fan.depth[i] * direction_W(i);
     const auto [enter, leave] =
         workspace_ ? ShareInside(workspace_->grid.box_W(), p_WC, p_WB) : std::pair(1.0, 0.0);
-    if (!(enter < leave) || leave < 1.0) {  // it ends out of the workspace
+    const bool ends_within = enter < leave && !(leave < 1.0);
+    before.depth[i] = ends_within ? enter * fan.depth[i] : 0.0;
+    within.depth[i] = ends_within ? fan.depth[i] : 0.0;
+  }
+  const std::vector<RayEnd> entries =
+      CastFanThroughUnknown(surroundings_.grid, surroundings_.leaps, before);
+  std::vector<RayEnd> ends(fan.depth.size());
+  if (workspace_) ends = CastFanThroughUnknown(workspace_->grid, workspace_->leaps, within);
+
+  std::vector<Passage> passages;
+  passages.reserve(fan.depth.size());
+  for (int i = 0; i < static_cast<int>(fan.depth.size()); ++i) {
+    const Vector3d way_W = direction_W(i);
+    const Vector3d p_WB = p_WC + fan.depth[i] * way_W;
+    Passage& passage = passages.emplace_back(Passage{false, p_WB, 0.0});
+    if (!(fan.depth[i] > 0.0)) continue;
+    if (!(within.depth[i] > 0.0)) {
       passage = Cast(p_WC, p_WB);
       continue;
     }
-    if (enter > 0.0 && Follow(surroundings_, p_WC, p_WC + enter * (p_WB - p_WC), &passage))
-      continue;
-    passage.unknown += ends[i].unknown * direction_W.norm();
+    if (const double depth = before.depth[i]; depth > 0.0) {
+      RayEnd entry = entries[i];  // a share of the way there is its unit
+      entry.at /= depth;
+      entry.unknown /= depth;
+      if (Follow(surroundings_, p_WC, p_WC + depth * way_W, entry, &passage)) continue;
+    }
+    passage.unknown += ends[i].unknown * way_W.norm();
     passage.blocked = ends[i].state == Occupancy::kOccupied;
-    if (passage.blocked) passage.p_WE = p_WC + ends[i].at * direction_W;
+    if (passage.blocked) passage.p_WE = p_WC + ends[i].at * way_W;
   }
   return passages;
 }

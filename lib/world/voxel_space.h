@@ -135,6 +135,8 @@ class VoxelSpace {
 
   static bool Follow(const Layer& layer, const Eigen::Vector3d& p_WA, const Eigen::Vector3d& p_WB,
                      Passage* passage);
+  static bool Follow(const Layer& layer, const Eigen::Vector3d& p_WA, const Eigen::Vector3d& p_WB,
+                     const RayEnd& end, Passage* passage);
   const BrickGrid& GridAt(const Eigen::Vector3d& p_WQ) const;
   /// Calls `change` for each grid, the surroundings grown by `box_W` before, and follows.
   template <class Change>

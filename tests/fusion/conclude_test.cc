@@ -145,6 +145,19 @@ TEST(Conclude, CallsUnknownOnlyAfterEnoughClearViews) {
   EXPECT_THAT(Object({}, 2).reason, testing::HasSubstr("no model in the database fits"));
 }
 
+TEST(Conclude, CallsUnknownWhatOneMoreClearViewAcceptsAtNoPose) {
+  // Support of 0.3 in each of three views would add up to 1 - 0.7^3 = 0.66.
+  const auto whisk = [](int views, int accepting) {
+    std::vector<world::ViewEvidence> evidence;
+    for (int i = 0; i < views; ++i) evidence.push_back(View(i, i < accepting ? 0.7 : 0.3));
+    return Object({Hypothesis("whisk", 0, evidence)}, views);
+  };
+  EXPECT_EQ(whisk(2, 0).state, ObjectState::kCandidate);
+  EXPECT_EQ(whisk(3, 0).state, ObjectState::kUnknown);
+  EXPECT_THAT(whisk(3, 0).reason, testing::HasSubstr("the nearest model is 'whisk'"));
+  EXPECT_EQ(whisk(3, 1).state, ObjectState::kCandidate);
+}
+
 TEST(Conclude, DoesNotStrikeAHypothesisThatIsHidden) {
   const ObjectBelief object =
       Object({Hypothesis("mug", 0, {View(0, 0.97), View(1, 0.05, 0.1)})}, 1);

@@ -152,6 +152,25 @@ TEST(AspectGraph, HalfAWallTakesHalfOfTheRays) {
   EXPECT_NEAR(graph.looks[0].visibility, 0.5, 0.03);
 }
 
+TEST(AspectGraph, FewerRaysTellHowMuchOfARegionIsVisible) {
+  AspectTarget region = BoxTarget({0.1, 0.4, 0.12});
+  region.id = -1;
+  VoxelSpace space = FreeSpace();
+  // Half way to the region, in voxels of 20 mm: from y = -0.04 on it hides what lies beyond -0.08.
+  std::vector<Vector3d> wall;
+  for (double y = -0.03; y <= 0.4; y += 0.01) {
+    for (double z = 0.75; z <= 1.2; z += 0.01) wall.emplace_back(0.61, y, z);
+  }
+  space.MarkOccupied(wall);
+  const AspectGraph few = Score(space, region, Ring(1));
+  AspectGraphConfig config;
+  config.region_ray_columns = config.ray_columns;
+  const AspectGraph many = Score(space, region, Ring(1), config);
+  EXPECT_NEAR(few.looks[0].visibility, 0.3, 0.03);
+  EXPECT_NEAR(few.looks[0].visibility, many.looks[0].visibility, 0.02);
+  EXPECT_LT(4 * few.scores[0].box_rays, 1.1 * many.scores[0].box_rays);
+}
+
 TEST(AspectGraph, UnknownSpaceCountsAsProbablyOccludedForUsAndFreeForThePaper) {
   const Vector3d size(0.1, 0.1, 0.1);
   const Model box(geometry::MakeBox(size, kGrey));
@@ -271,6 +290,20 @@ TEST(AspectGraph, ALookThatBringsLessThanItsTimeCostsIsRefused) {
   EXPECT_FALSE(graph.looks[1].feasible);
   EXPECT_THAT(graph.looks[1].reason, ::testing::HasSubstr("worth its time: "));
   EXPECT_THAT(graph.looks[1].reason, ::testing::HasSubstr("at least 0.01 wanted"));
+}
+
+TEST(AspectGraph, AViewThatShowsAThingAsRimAloneIsNoEvidenceForIt) {
+  const auto evidence = [](const Vector3d& size) {
+    const Model thing(geometry::MakeBox(size, kGrey));
+    AspectTarget target = BoxTarget({0.3, 0.3, 0.1});
+    target.hypotheses = {thing.At(kTarget, 0.4)};
+    return Score(FreeSpace(), target, Ring(4)).scores[1].prospects.at(0).evidence;
+  };
+  const Eigen::MatrixXd of_box = evidence({0.2, 0.1, 0.1});
+  EXPECT_NEAR(of_box(0, 1), of_box(1, 0), 0.02 * of_box(1, 0));
+  const Eigen::MatrixXd of_wire = evidence({0.3, 0.002, 0.002});  // 1 pixel
+  EXPECT_GT(of_wire(1, 0), 0.0) << "against it";
+  EXPECT_LT(of_wire(0, 1), 1e-3 * of_wire(1, 0));
 }
 
 TEST(AspectGraph, TwinsOfDifferentColourDifferEverywhere) {
@@ -431,6 +464,9 @@ TEST(AspectGraph, RefusesBadInput) {
   config = {};
   config.unknown_survival = 1.5;
   EXPECT_THROWS(config.Validate(), ConfigError, "unknown_survival = 1.5 must lie in 0..1");
+  config = {};
+  config.region_ray_columns = 4;
+  EXPECT_THROWS(config.Validate(), ConfigError, "region_ray_columns = 4 must lie in 8..4096");
 }
 
 TEST(AspectGraph, AnEmptyListOfCandidatesIsNoError) {

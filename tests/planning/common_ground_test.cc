@@ -27,13 +27,21 @@ std::vector<perception::SurfacePoint> Wall() {
 Pose From(const Vector3d& p_WC) { return LookingAt(p_WC, {0.0, 0.0, 0.9}); }
 
 TEST(CommonGround, IsTheUprightSurfaceThatBothViewsFace) {
-  const CommonGround ground(Wall(), {});
+  perception::RegisterConfig config;
+  config.min_pairs = 700;
+  const CommonGround ground(Wall(), config);
   // 1600 points of 5 mm are 625 of 8 mm.
   EXPECT_NEAR(ground.Pairs(From({1.2, 0.0, 1.2}), kCamera), 625.0, 1.0);
   EXPECT_NEAR(ground.Pairs(From({0.6, 1.0, 1.2}), kCamera), 625.0, 1.0);
   EXPECT_EQ(ground.Pairs(From({-1.2, 0.0, 1.2}), kCamera), 0.0) << "from behind";
   EXPECT_EQ(ground.Pairs(From({0.05, 1.2, 1.2}), kCamera), 0.0) << "grazing";
   EXPECT_EQ(ground.Pairs(From({0.4, 0.0, 0.9}), kCamera), 0.0) << "too near for depth";
+}
+
+TEST(CommonGround, IsNotCountedBeyondWhatRegistrationWants) {
+  perception::RegisterConfig config;
+  config.min_pairs = 100;
+  EXPECT_NEAR(CommonGround(Wall(), config).Pairs(From({1.2, 0.0, 1.2}), kCamera), 100.0, 1.0);
 }
 
 TEST(CommonGround, GivesTheChanceThatAViewCanBeRegistered) {

@@ -104,6 +104,17 @@ TEST(ExpectedLoss, AViewThatMayBeHiddenGainsByItsChance) {
               1e-12);
 }
 
+TEST(ExpectedLossAfter, IsTheExpectedLossOfTheOutcomes) {
+  // 0.3 / 0.05 / 0.65, one of which needs more than the others.
+  Belief belief = Of({0.3, 0.05, 0.65});
+  belief.alternatives[1].needed = 0.99;
+  belief.incomplete = 0.5;
+  std::vector<Prospect> prospects{Telling(3, 2.0, 0.4), Telling(3, 0.5, 0.6)};
+  prospects[0].evidence(0, 2) = prospects[0].evidence(2, 0) = 0.0;
+  EXPECT_NEAR(ExpectedLossAfter(belief, Readings(prospects, 3), kLoss),
+              ExpectedLoss(Outcomes(belief, prospects), kLoss), 1e-12);
+}
+
 TEST(GainPerSecond, WeighsLooksOfEveryKindByTheirTime) {
   // A scan that completes half of what is missing, in 20 s.
   const Belief prior{{}, 1.0};
