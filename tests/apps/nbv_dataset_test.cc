@@ -311,6 +311,18 @@ TEST_F(NbvDataset, GivesTheSameForTheSameSeedAlsoMirrored) {
             cv::Size(640, 480));
 }
 
+TEST_F(NbvDataset, NamesTheViewThatCannotBeRead) {
+  const fs::path side = folder_.path() / "Test_Files" / "41" / "3.jpg";
+  const std::string whole = ReadFile(side);
+  WriteFile(side, whole.substr(0, whole.size() - 20));
+  EXPECT_THROWS(RunNbvDatasetExperiment(options_), ConfigError, "41/3.jpg: a JPEG without its end");
+  WriteFile(side, whole);
+  WriteFile(folder_.path() / "Test_Files" / "41" / "Front_Up.npy",
+            Npy(cv::Mat::ones(2, 3, CV_32FC1)));
+  EXPECT_THROWS(RunNbvDatasetExperiment(options_), ConfigError,
+                "41: Front_Up has a depth of another size");
+}
+
 TEST_F(NbvDataset, NamesWhatIsMissing) {
   ExperimentOptions none = options_;
   none.classifier = "";
