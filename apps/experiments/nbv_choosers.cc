@@ -59,15 +59,18 @@ class LearnedChooser {
  public:
   explicit LearnedChooser(const Decisions& decisions)
       : decisions_(decisions), experience_(decisions) {
-    for (const int block : Blocks(decisions)) weights_[block] = LearnWithout(block);
+    std::map<int, Eigen::VectorXd> weights;
+    for (const int block : Blocks(decisions)) weights[block] = LearnWithout(block);
+    for (int i = 0; i < decisions.set_count(); ++i) {
+      const int block = decisions.sets()[i].block;
+      auto& best = best_.emplace_back();
+      for (int k = 0; k < std::ssize(decisions.sets()[i].cases); ++k) {
+        (FeaturesOf(i, k, block) * weights.at(block)).maxCoeff(&best.emplace_back());
+      }
+    }
   }
 
-  std::size_t Best(int set, int which) const {
-    const int block = decisions_.sets()[set].block;
-    Eigen::Index best = 0;
-    (FeaturesOf(set, which, block) * weights_.at(block)).maxCoeff(&best);
-    return static_cast<std::size_t>(best);
-  }
+  std::size_t Best(int set, int which) const { return static_cast<std::size_t>(best_[set][which]); }
 
  private:
   const Decided& Of(int set, int which) const {
@@ -100,7 +103,7 @@ class LearnedChooser {
 
   const Decisions& decisions_;
   ExperienceOfOthers experience_;
-  std::map<int, Eigen::VectorXd> weights_;  // by block
+  std::vector<std::vector<Eigen::Index>> best_;  // by set and case
 };
 
 }  // namespace
