@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
+#include <memory>
 
 #include <fmt/format.h>
 #include <Eigen/Dense>
+
+#include "apps/experiments/nbv_experience.h"
 
 namespace secondlook::apps::nbv {
 namespace {
@@ -28,12 +30,13 @@ Choice Only(std::size_t side) {
   return choice;
 }
 
-/// What a learned chooser goes by: which side it is, and how it scores among the five.
-constexpr int kFeatures = static_cast<int>(kSideCount) + planning::kCriteria + 1;
+/// What a learned chooser goes by: how each side's tile scores among the five, for as much as the
+/// first view leaves open, and what experience expects.
+constexpr int kFeatures = planning::kCriteria + 2;
 
-Eigen::MatrixXd Features(const NbvCase& one) {
+/// @param expected By side.
+Eigen::MatrixXd Features(const NbvCase& one, const Decision& front, Eigen::VectorXd expected) {
   Eigen::MatrixXd features = Eigen::MatrixXd::Zero(kSideCount, kFeatures);
-  features.leftCols<kSideCount>().setIdentity();
   for (int f = 0; f < planning::kCriteria + 1; ++f) {
     Eigen::VectorXd scores(kSideCount);
     for (std::size_t s = 0; s < kSideCount; ++s) {
@@ -42,45 +45,66 @@ Eigen::MatrixXd Features(const NbvCase& one) {
     if (!scores.allFinite()) continue;
     scores.array() -= scores.mean();
     const double deviation = std::sqrt(scores.squaredNorm() / kSideCount);
-    if (deviation > 1e-9) features.col(kSideCount + f) = scores / deviation;
+    if (deviation > 1e-9) features.col(f) = (1.0 - front.confidence) * scores / deviation;
   }
+  constexpr double kExpectedScale = 10.0;  // of the size of the others, as all are shrunk alike
+  expected.array() -= expected.mean();
+  features.rightCols(1) = kExpectedScale * expected;
   return features;
 }
 
-/// Ridge regression from features to how much more probable than from the other sides the true
-/// class becomes on average, learnt from the sets for which `learn` holds.
-Eigen::VectorXd LearnGain(const Decisions& decisions, const std::function<bool(int)>& learn) {
-  constexpr double kRidge = 100.0;  // cases
-  Eigen::MatrixXd products = kRidge * Eigen::MatrixXd::Identity(kFeatures, kFeatures);
-  Eigen::VectorXd sums = Eigen::VectorXd::Zero(kFeatures);
-  for (int i = 0; i < decisions.set_count(); ++i) {
-    if (!learn(i)) continue;
-    for (int k = 0; k < std::ssize(decisions.sets()[i].cases); ++k) {
-      const Decided& decided = decisions.Of(FusionRule::kNaiveBayes, i, k);
-      Eigen::VectorXd gain(kSideCount);
-      for (std::size_t s = 0; s < kSideCount; ++s) {
-        gain[s] = decided.with[s].of_truth;
+/// Which side to look from, learnt by ridge regression from the features to how much more probable
+/// than from the other sides the true class becomes, from all blocks but that of the case.
+class LearnedChooser {
+ public:
+  explicit LearnedChooser(const Decisions& decisions)
+      : decisions_(decisions), experience_(decisions) {
+    std::map<int, Eigen::VectorXd> weights;
+    for (const int block : Blocks(decisions)) weights[block] = LearnWithout(block);
+    for (int i = 0; i < decisions.set_count(); ++i) {
+      const int block = decisions.sets()[i].block;
+      auto& best = best_.emplace_back();
+      for (int k = 0; k < std::ssize(decisions.sets()[i].cases); ++k) {
+        (FeaturesOf(i, k, block) * weights.at(block)).maxCoeff(&best.emplace_back());
       }
-      gain.array() -= gain.mean();
-      const Eigen::MatrixXd features = Features(decisions.sets()[i].cases[k]);
-      products += features.transpose() * features;
-      sums += features.transpose() * gain;
     }
   }
-  return products.ldlt().solve(sums);
-}
 
-/// By block: what was learnt from all others.
-std::map<int, Eigen::VectorXd> LearnGains(const Decisions& decisions) {
-  std::map<int, Eigen::VectorXd> weights;
-  for (const NbvSet& set : decisions.sets()) weights.try_emplace(set.block);
-  if (weights.size() < 2) return {};
-  for (auto& [block, w] : weights) {
-    const int tested = block;
-    w = LearnGain(decisions, [&](int i) { return decisions.sets()[i].block != tested; });
+  std::size_t Best(int set, int which) const { return static_cast<std::size_t>(best_[set][which]); }
+
+ private:
+  const Decided& Of(int set, int which) const {
+    return decisions_.Of(FusionRule::kNaiveBayes, set, which);
   }
-  return weights;
-}
+
+  /// Without what block `tested` would tell.
+  Eigen::MatrixXd FeaturesOf(int set, int which, int tested) const {
+    return Features(decisions_.sets()[set].cases[which], Of(set, which).front,
+                    experience_.Expected(set, which, tested));
+  }
+
+  Eigen::VectorXd LearnWithout(int block) const {
+    constexpr double kRidge = 300.0;  // cases
+    Eigen::MatrixXd products = kRidge * Eigen::MatrixXd::Identity(kFeatures, kFeatures);
+    Eigen::VectorXd sums = Eigen::VectorXd::Zero(kFeatures);
+    for (int i = 0; i < decisions_.set_count(); ++i) {
+      if (decisions_.sets()[i].block == block) continue;
+      for (int k = 0; k < std::ssize(decisions_.sets()[i].cases); ++k) {
+        Eigen::VectorXd gain(kSideCount);
+        for (std::size_t s = 0; s < kSideCount; ++s) gain[s] = Of(i, k).with[s].of_truth;
+        gain.array() -= gain.mean();
+        const Eigen::MatrixXd features = FeaturesOf(i, k, block);
+        products += features.transpose() * features;
+        sums += features.transpose() * gain;
+      }
+    }
+    return products.ldlt().solve(sums);
+  }
+
+  const Decisions& decisions_;
+  ExperienceOfOthers experience_;
+  std::vector<std::vector<Eigen::Index>> best_;  // by set and case
+};
 
 }  // namespace
 
@@ -123,13 +147,10 @@ std::vector<NamedChooser> Choosers(const Decisions& decisions) {
                      {{Criterion::kVariance}, {Criterion::kMetricParallelism}, {Criterion::kLight}},
                      planning::VoteRule::kBorda, true);
        }});
-  if (auto weights = LearnGains(decisions); !weights.empty()) {
-    choosers.push_back({"learned", [&decisions, weights](int set, int which) {
-                          const NbvSet& all = decisions.sets()[set];
-                          Eigen::Index best = 0;
-                          (Features(all.cases[which]) * weights.at(all.block)).maxCoeff(&best);
-                          return Only(static_cast<std::size_t>(best));
-                        }});
+  if (Blocks(decisions).size() > 1) {
+    const auto learned = std::make_shared<LearnedChooser>(decisions);
+    choosers.push_back(
+        {"learned", [learned](int set, int which) { return Only(learned->Best(set, which)); }});
   }
   choosers.push_back({"oracle", [&decisions](int set, int which) {
                         const auto& with = decisions.Of(FusionRule::kNaiveBayes, set, which).with;

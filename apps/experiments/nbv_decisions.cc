@@ -17,6 +17,12 @@ Decisions::Decisions(const std::vector<NbvSet>& sets, const NbvClassifier& class
   }
 }
 
+Decision Decisions::FromSide(int set, std::size_t side) const {
+  constexpr FusionRule kRule = FusionRule::kNaiveBayes;
+  const fusion::ViewDecision view = View(sets_[set].sides[side], kRule);
+  return DecisionOf(FuseDecisions(kRule, {view}).probabilities, sets_[set].truth);
+}
+
 std::vector<Shared> Decisions::Result(FusionRule rule, const Chooser& chooser, int set, int which,
                                       double gate) const {
   const Decided& decided = Of(rule, set, which);

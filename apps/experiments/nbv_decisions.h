@@ -56,6 +56,9 @@ class Decisions {
     return decided_.at(rule)[set][which];
   }
 
+  /// What naive Bayes decides of a set by the view from a side alone.
+  Decision FromSide(int set, std::size_t side) const;
+
   /// What comes of looking from the sides that `chooser` says, where the first view's ratio is
   /// below `gate`.
   std::vector<Shared> Result(fusion::FusionRule rule, const Chooser& chooser, int set, int which,

@@ -94,7 +94,7 @@ CrossMatches MatchAcrossCameras(const std::vector<Eigen::Vector3d>& p_AO,
                                 const geometry::CameraModel& camera_B,
                                 const CrossMatchConfig& config) {
   config.Validate();
-  camera_B.Validate("of the second camera");
+  camera_B.Validate("second");
   if (!X_BA.matrix().allFinite()) {
     Throw<InvalidArgument>("the pose between the cameras is not finite; calibrate them");
   }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include <fmt/format.h>
 #include <Eigen/Dense>
 #include <opencv2/imgproc.hpp>
 
@@ -174,6 +175,15 @@ std::optional<Eigen::Vector2d> Shading(const cv::Mat& gray, const Normals& norma
   return products.ldlt().solve(sums).head<2>();
 }
 
+void CheckProbabilities(const std::string& of, const std::vector<double>& probabilities) {
+  for (std::size_t c = 0; c < probabilities.size(); ++c) {
+    if (!(probabilities[c] >= 0.0)) {
+      Throw<InvalidArgument>("{}: class {} has the probability {}; it must be >= 0", of, c + 1,
+                             probabilities[c]);
+    }
+  }
+}
+
 void Check(const ObjectCrop& crop, const TileClassification* classification) {
   if (crop.color.empty() || crop.color.type() != CV_8UC3) {
     Throw<InvalidArgument>("a crop of {} x {} pixels of type {}: an RGB image of 8 bits is needed",
@@ -196,7 +206,10 @@ void Check(const ObjectCrop& crop, const TileClassification* classification) {
                              TileName(static_cast<Tile>(t)), classes,
                              classification->object.size());
     }
+    CheckProbabilities(fmt::format("tile '{}'", TileName(static_cast<Tile>(t))),
+                       classification->tiles[t]);
   }
+  CheckProbabilities("the object", classification->object);
 }
 
 }  // namespace

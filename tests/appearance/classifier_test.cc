@@ -162,6 +162,17 @@ TEST(NetworkClassifier, TakesImagesOnePixelWide) {
   EXPECT_THROWS(classifier->Classify(cv::Mat()), InvalidArgument, "an image of 0 x 0 pixels");
 }
 
+TEST(NetworkClassifier, RefusesANetworkWhoseWeightsAreNoNumbers) {
+  const TemporaryFolder folder;
+  std::string network = TinyNetwork();
+  const std::string tenth = FromHex("cdcccc3d");
+  network.replace(network.find(tenth), tenth.size(), FromHex("0000c07f"));  // NaN
+  WriteFile(folder / "net.onnx", network);
+  WriteNetworkFile(folder / "model.yml", ColorsHeader(), folder / "net.onnx", 8);
+  EXPECT_THROWS(LoadClassifier(folder / "model.yml"), ConfigError,
+                "gives class 1 the probability nan; train it anew");
+}
+
 TEST(NetworkClassifier, RefusesAnotherNetworkThanItsOwn) {
   const TemporaryFolder folder;
   WriteFile(folder / "net.onnx", TinyNetwork());

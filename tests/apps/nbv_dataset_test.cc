@@ -11,6 +11,7 @@
 
 #include "apps/experiments/experiment.h"
 #include "apps/experiments/nbv_distortion.h"
+#include "apps/experiments/nbv_experience.h"
 #include "apps/experiments/nbv_summary.h"
 #include "apps/experiments/npy.h"
 #include "lib/common/error.h"
@@ -199,6 +200,57 @@ TEST(SummariseNbv, LearnsWithTheOtherBlocksAlone) {
   }));
 }
 
+TEST(Experience, ExpectsWhatLoggedViewsOfEachClassMakeOfTheFirst) {
+  // From the upper left a cup was seen as a cup with 0.8, from all other sides it told nothing.
+  NbvSet cup = OneGoodSide(0);
+  cup.sides.fill({0.5, 0.5});
+  cup.sides[0] = {0.8, 0.2};
+  const std::vector<NbvSet> sets{cup};
+  const NbvClassifier classifier{{"cup", "mug"}, 0.9};
+  const nbv::Decisions decisions(sets, classifier);
+  const nbv::Experience experience(decisions, [](int) { return true; });
+  // A cup with 0.6: 0.6 * 0.8 / (0.6 * 0.8 + 0.4 * 0.2) = 0.857 from there. A mug was never seen.
+  const Eigen::VectorXd expected = experience.Expected({0.6, 0.4});
+  EXPECT_NEAR(expected[0], 0.6 * 0.48 / 0.56 + 0.4 * 0.4, 1e-12);
+  for (int side = 1; side < 5; ++side) {
+    EXPECT_NEAR(expected[side], 0.6 * 0.6 + 0.4 * 0.4, 1e-12) << side;
+  }
+}
+
+TEST(ExperienceOfOthers, KnowsNothingOfTheCasesOwnBlockNorOfTheTested) {
+  std::vector<NbvSet> sets(3, OneGoodSide(0));
+  for (int i = 0; i < 3; ++i) {
+    sets[i].block = i;
+    sets[i].sides.fill({0.5, 0.5});
+  }
+  sets[0].sides[0] = {0.9, 0.1};
+  sets[1].sides[1] = {0.9, 0.1};
+  const NbvClassifier classifier{{"cup", "mug"}, 0.9};
+  const nbv::Decisions decisions(sets, classifier);
+  const nbv::ExperienceOfOthers experience(decisions);
+  Eigen::Index best = -1;
+  experience.Expected(0, 0, 2).maxCoeff(&best);
+  EXPECT_EQ(best, 1);  // by block 1 alone
+  experience.Expected(1, 0, 2).maxCoeff(&best);
+  EXPECT_EQ(best, 0);  // by block 0 alone
+  const Eigen::VectorXd none = experience.Expected(0, 0, 1);
+  EXPECT_NEAR(none.maxCoeff() - none.minCoeff(), 0.0, 1e-12);  // by block 2, which saw nothing
+}
+
+TEST(ExperienceOfOthers, PromisesMoreWhereTheFirstViewIsUnsure) {
+  std::vector<NbvSet> sets(2, OneGoodSide(0));
+  sets[1].block = 1;
+  sets[0].cases.front().front = {0.5, 0.5};
+  sets[0].cases.push_back(sets[0].cases.front());
+  sets[0].cases.back().front = {0.95, 0.05};
+  const NbvClassifier classifier{{"cup", "mug"}, 0.9};
+  const nbv::Decisions decisions(sets, classifier);
+  const nbv::ExperienceOfOthers experience(decisions);
+  // The best side says cup with 0.99, and nothing is known of mugs.
+  EXPECT_NEAR(experience.Promise(0, 0), 0.5 * 0.99 + 0.5 * 0.5 - 0.5, 1e-12);
+  EXPECT_LT(experience.Promise(0, 1), experience.Promise(0, 0));
+}
+
 /// Two sets of the data set's form, of plain colours, and a classifier of these.
 class NbvDataset : public ::testing::Test {
  protected:
@@ -257,6 +309,18 @@ TEST_F(NbvDataset, GivesTheSameForTheSameSeedAlsoMirrored) {
   EXPECT_EQ(cv::imread((folder_ / "plots" / "roc.png").string()).size(), cv::Size(640, 480));
   EXPECT_EQ(cv::imread((folder_ / "plots" / "second_looks.png").string()).size(),
             cv::Size(640, 480));
+}
+
+TEST_F(NbvDataset, NamesTheViewThatCannotBeRead) {
+  const fs::path side = folder_.path() / "Test_Files" / "41" / "3.jpg";
+  const std::string whole = ReadFile(side);
+  WriteFile(side, whole.substr(0, whole.size() - 20));
+  EXPECT_THROWS(RunNbvDatasetExperiment(options_), ConfigError, "41/3.jpg: a JPEG without its end");
+  WriteFile(side, whole);
+  WriteFile(folder_.path() / "Test_Files" / "41" / "Front_Up.npy",
+            Npy(cv::Mat::ones(2, 3, CV_32FC1)));
+  EXPECT_THROWS(RunNbvDatasetExperiment(options_), ConfigError,
+                "41: Front_Up has a depth of another size");
 }
 
 TEST_F(NbvDataset, NamesWhatIsMissing) {

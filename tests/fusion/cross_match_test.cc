@@ -158,6 +158,9 @@ TEST(MatchAcrossCameras, NamesWhatCannotBeMatched) {
   none.translation().x() = nan;
   EXPECT_THROWS(MatchAcrossCameras({}, {}, none, kCamera), InvalidArgument,
                 "the pose between the cameras is not finite; calibrate them");
+  EXPECT_THROWS(MatchAcrossCameras({}, {}, kSame, {640, 480, 0.0, 0.0, 320.0, 240.0}),
+                InvalidArgument,
+                "camera 'second': focal lengths fx = 0, fy = 0 px must be positive");
   CrossMatchConfig config;
   config.position_sigma_m = 0.0;
   EXPECT_THROWS(MatchAcrossCameras({}, {}, kSame, kCamera, config), ConfigError,

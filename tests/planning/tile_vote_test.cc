@@ -178,6 +178,13 @@ TEST(ScoreTiles, RefusesWhatIsNoCrop) {
   classes.tiles[2] = {1.0};
   EXPECT_THROWS(ScoreTiles(GreyCrop(), &classes), InvalidArgument,
                 "tile 'upper right' is classified by 1 classes, the object by 2");
+  classes.tiles[2] = {std::numeric_limits<double>::quiet_NaN(), 1.0};
+  EXPECT_THROWS(ScoreTiles(GreyCrop(), &classes), InvalidArgument,
+                "tile 'upper right': class 1 has the probability nan");
+  classes.tiles[2].clear();
+  classes.object[1] = -0.5;
+  EXPECT_THROWS(ScoreTiles(GreyCrop(), &classes), InvalidArgument,
+                "the object: class 2 has the probability -0.5");
   TileScoresConfig config;
   config.max_slant_deg = 120.0;
   EXPECT_THROWS(ScoreTiles(GreyCrop(), nullptr, config), ConfigError, "max_slant_deg = 120");

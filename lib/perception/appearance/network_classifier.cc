@@ -58,6 +58,12 @@ std::vector<double> NetworkClassifier::Classify(const cv::Mat& image) const {
       probabilities[c] += 0.5 * output.at<float>(static_cast<int>(c));
     }
   }
+  for (std::size_t c = 0; c < probabilities.size(); ++c) {
+    if (!(probabilities[c] >= 0.0)) {
+      Throw<ConfigError>("a network of kind '{}' gives class {} the probability {}; train it anew",
+                         header_.kind, c + 1, probabilities[c]);
+    }
+  }
   return probabilities;
 }
 
