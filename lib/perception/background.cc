@@ -22,33 +22,6 @@ cv::Mat Disk(int diameter) {
   return cv::getStructuringElement(cv::MORPH_ELLIPSE, {diameter, diameter});
 }
 
-/// The median of how many times as bright `reference` is, by channel; 1 where too little of the
-/// pictures is neither dark nor clipped.
-cv::Scalar MedianGain(const cv::Mat& picture, const cv::Mat& reference) {
-  constexpr int kMostSamples = 20000;
-  constexpr std::size_t kFewestSamples = 100;
-  const auto is_told = [](std::uint8_t value) { return value >= 20 && value <= 240; };
-  const int total = static_cast<int>(picture.total());
-  const int step = std::max(1, total / kMostSamples);
-  cv::Scalar gain;
-  for (int c = 0; c < 3; ++c) {
-    std::vector<double> ratios;
-    for (int pixel = 0; pixel < total; pixel += step) {
-      const int v = pixel / picture.cols;
-      const int u = pixel % picture.cols;
-      const std::uint8_t is = picture.at<cv::Vec3b>(v, u)[c];
-      const std::uint8_t was = reference.at<cv::Vec3b>(v, u)[c];
-      if (is_told(is) && is_told(was)) ratios.push_back(static_cast<double>(was) / is);
-    }
-    gain[c] = 1.0;
-    if (ratios.size() < kFewestSamples) continue;
-    const auto middle = ratios.begin() + std::ssize(ratios) / 2;
-    std::nth_element(ratios.begin(), middle, ratios.end());
-    gain[c] = *middle;
-  }
-  return gain;
-}
-
 /// The pixels of each component of `mask`, largest first.
 std::vector<world::Cluster> Components(const cv::Mat& mask, int min_pixels) {
   cv::Mat labels;
@@ -100,7 +73,6 @@ void BackgroundConfig::Validate() const {
   CheckRange(median_px, 1, 31, "median_px");
   if (median_px % 2 == 0) Throw<ConfigError>("median_px = {} must be odd", median_px);
   CheckRange(blur_sigma_px, 0.0, 20.0, "blur_sigma_px");
-  CheckRange(max_gain, 1.0, 100.0, "max_gain");
   CheckRange(open_px, 1, 100, "open_px");
   CheckRange(close_px, 1, 100, "close_px");
   CheckRange(min_pixels, 1, 1000000, "min_pixels");
@@ -122,9 +94,7 @@ BackgroundModel::BackgroundModel(const std::vector<cv::Mat>& frames, const Pose&
   mixture_->setShadowThreshold(config_.min_shadow);
   cv::Mat ignored;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const cv::Mat denoised = Denoised(frames[i]);
-    if (i == 0) reference_ = denoised;
-    mixture_->apply(Levelled(denoised), ignored, 1.0 / static_cast<double>(i + 1));
+    mixture_->apply(Denoised(frames[i]), ignored, 1.0 / static_cast<double>(i + 1));
   }
 }
 
@@ -142,16 +112,6 @@ cv::Mat BackgroundModel::Denoised(const cv::Mat& color) const {
   return denoised;
 }
 
-cv::Mat BackgroundModel::Levelled(const cv::Mat& denoised) const {
-  const cv::Scalar gain = MedianGain(denoised, reference_);
-  for (int c = 0; c < 3; ++c) {
-    if (std::max(gain[c], 1.0 / gain[c]) > config_.max_gain) return denoised;  // another light
-  }
-  cv::Mat levelled;
-  cv::multiply(denoised, gain, levelled);
-  return levelled;
-}
-
 Foreground BackgroundModel::Detect(const cv::Mat& color, const cv::Mat& depth,
                                    const geometry::CameraModel& camera, const Pose& X_WC) const {
   const cv::Mat denoised = Denoised(color);
@@ -164,8 +124,8 @@ Foreground BackgroundModel::Detect(const cv::Mat& color, const cv::Mat& depth,
                         moved, turned)};
   }
   cv::Mat mask;
-  mixture_->apply(Levelled(denoised), mask, 0.0);  // learns nothing
-  mask = mask == 255;                              // shadows are not
+  mixture_->apply(denoised, mask, 0.0);  // learns nothing
+  mask = mask == 255;                    // shadows are not
   cv::morphologyEx(mask, mask, cv::MORPH_OPEN, Disk(config_.open_px));
   cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, Disk(config_.close_px));
   const double share = cv::countNonZero(mask) / static_cast<double>(mask.total());

@@ -19,12 +19,10 @@ struct BackgroundConfig {
                               ///< is a shadow on it.
   int median_px{3};           ///< Side of the median filter against impulses; odd.
   double blur_sigma_px{1.0};  ///< Of the Gaussian filter against additive noise.
-  double max_gain{1.5};  ///< Exposure and white balance of a picture are undone where they make
-                         ///< a channel up to so many times brighter or darker; 1: never.
-  int open_px{3};        ///< Diameter of what opening removes …
-  int close_px{5};       ///< … and of the gaps that closing fills.
-  int min_pixels{80};    ///< Smaller components are noise.
-  double same_view_m{0.002};   ///< A camera that has moved farther …
+  int open_px{3};             ///< Diameter of what opening removes …
+  int close_px{9};            ///< … and of the gaps that closing fills.
+  int min_pixels{80};         ///< Smaller components are noise.
+  double same_view_m{0.002};  ///< A camera that has moved farther …
   double same_view_deg{0.15};  ///< … or turned farther sees another background.
 
   template <class A>
@@ -33,7 +31,6 @@ struct BackgroundConfig {
     a->Visit("min_shadow", &min_shadow);
     a->Visit("median_px", &median_px);
     a->Visit("blur_sigma_px", &blur_sigma_px);
-    a->Visit("max_gain", &max_gain);
     a->Visit("open_px", &open_px);
     a->Visit("close_px", &close_px);
     a->Visit("min_pixels", &min_pixels);
@@ -54,9 +51,7 @@ struct Foreground {
 
 /// Finds things by their colours against a background that a camera learns while it stands still,
 /// before they are there (Hoseini 2018, Section 2): a mixture of Gaussians for each pixel, opening
-/// and closing, connected components. Exposure and white balance, which change from picture to
-/// picture, are not the background's: each channel is scaled so that its median is as it was first
-/// learnt. Unlike Segment() it needs no depth; but once the camera has
+/// and closing, connected components. Unlike Segment() it needs no depth; but once the camera has
 /// moved, it knows nothing.
 class BackgroundModel {
  public:
@@ -78,12 +73,10 @@ class BackgroundModel {
 
  private:
   cv::Mat Denoised(const cv::Mat& color) const;
-  cv::Mat Levelled(const cv::Mat& denoised) const;
 
   BackgroundConfig config_;
   Pose X_WC_{Pose::Identity()};
   cv::Size size_;
-  cv::Mat reference_;  // the first picture, denoised: what the others are levelled to
   cv::Ptr<cv::BackgroundSubtractorMOG2> mixture_;
 };
 
