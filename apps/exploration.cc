@@ -190,9 +190,11 @@ const ObjectBelief* Exploration::LargestUnknown(const SceneBelief& belief) const
 }
 
 void Exploration::Begin(const ObjectBelief& object, const SceneBelief& belief) {
+  const int views_before =
+      current_ ? current_->views_before : static_cast<int>(object.sightings.size());
   current_.emplace(Current{object.id,
                            PartialModel(config_, BoxFor(object, config_.around_m), *belief.plane_W),
-                           static_cast<int>(object.sightings.size())});
+                           views_before});
 }
 
 /// Each view that shows it, and was not entered yet, is a scan; the nearest of them, which measures
@@ -238,8 +240,8 @@ ModelledThing Exploration::Drop(const std::string& why) {
   ModelledThing thing;
   thing.object = current_->object;
   thing.coverage = std::move(current_->coverage);
-  for (const auto& [view, why] : current_->refused) {
-    thing.refused.push_back(fmt::format("view {}: {}", view, why));
+  for (const auto& [view, refusal] : current_->refused) {
+    thing.refused.push_back(fmt::format("view {}: {}", view, refusal));
   }
   thing.reason = why;
   done_.insert(thing.object);

@@ -24,7 +24,7 @@ constexpr double kRim = 0.025;
 /// The side of a cylinder about the z axis between two heights, seen over `arc` [rad].
 world::PartialMesh Side(double radius, double low, double high, double arc) {
   constexpr int kAround = 90;
-  constexpr int kUp = 10;
+  constexpr int kUp = 60;
   world::PartialMesh side;
   for (int j = 0; j <= kUp; ++j) {
     for (int i = 0; i <= kAround; ++i) {
@@ -54,8 +54,7 @@ double Area(const geometry::Mesh& mesh) {
 
 TEST(StandingMesh, OfACylinderGoesStraightDownToItsFoot) {
   const double arc = std::numbers::pi;
-  const geometry::Mesh mesh =
-      StandingMesh(Side(0.04, 0.01, 0.1, arc), {0.0, 0.0, 0.0}, kRim);
+  const geometry::Mesh mesh = StandingMesh(Side(0.04, 0.01, 0.1, arc), {0.0, 0.0, 0.0}, kRim);
   for (const Vector3f& vertex : mesh.vertices) {
     EXPECT_NEAR(vertex.head<2>().norm(), 0.04, 1e-6);
   }
@@ -74,8 +73,7 @@ TEST(StandingMesh, OfWhatTheScansLeanOutwardsAtItsFootIsNoWider) {
 
 TEST(StandingMesh, LeavesAHighBorderOpen) {
   const world::PartialMesh side = Side(0.04, 0.05, 0.1, 3.0);
-  EXPECT_EQ(StandingMesh(side, {0.0, 0.0, 0.0}, kRim).triangles.size(),
-            side.mesh.triangles.size());
+  EXPECT_EQ(StandingMesh(side, {0.0, 0.0, 0.0}, kRim).triangles.size(), side.mesh.triangles.size());
 }
 
 TEST(StandingMesh, OfALowBandIsNotClosedFromItsUpperBorder) {
