@@ -73,6 +73,24 @@ TEST(ScanGain, NewSurfaceIsExpectedAtTrendsThatAreSeenFirstAndFaceTheSensor) {
   EXPECT_EQ(gain({-1, 0, 0}), 0.0);  // hidden
 }
 
+TEST(ScanGain, WhatLiesBehindUnknownSpaceCountsByTheOddsThatItIsFree) {
+  world::BrickGrid grid = Grid();
+  grid.Fill(grid.box_W(), -2.0F);
+  grid.Forget({Vector3d(0.2, 0.0, 0.0), Vector3d(0.3, 0.1, 0.1)});  // a shadow before…
+  grid.Forget({Vector3d(0.4, 0.0, 0.0), Vector3d(0.5, 0.1, 0.1)});  // …where surface is expected
+  const std::vector<SurfaceTrend> trends{{Vector3d(0.45, 0.05, 0.05), Vector3d(-1, 0, 0), 0.1}};
+  ScanGainConfig config = kEveryRay;
+  config.unknown_survival = 0.25;
+  const auto gain = [&] {
+    return ScanGainField(grid, {}, trends, tests::LevelPlane(-1), config)
+        .Measure(kOneRay, AlongX())
+        .new_surface;
+  };
+  EXPECT_NEAR(gain(), 0.25 * 0.1 * 0.1, 1e-9);
+  config.unknown_m = 0.1;  // no more than it allows
+  EXPECT_NEAR(gain(), 0.1 * 0.1, 1e-9);
+}
+
 TEST(ScanGain, KriegelWeighsQualityAsMuchAsExplorationAfterEightScans) {
   const ScanGainConfig config;
   EXPECT_EQ(QualityWeight(0, config), 0.0);
