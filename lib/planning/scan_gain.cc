@@ -68,9 +68,9 @@ ScanGainField::ScanGainField(const world::BrickGrid& grid, const world::PartialM
       if (state == world::Occupancy::kOccupied) cell |= kEnd;
     }
   }
-  const auto note = [&](std::size_t index, std::size_t value) {
+  const auto note = [&](std::size_t index, std::int32_t value) {
     cells_[index] |= kNoted;
-    notes_[index] = static_cast<std::int32_t>(value);
+    notes_[index] = value;
   };
 
   // Quality: the mean over the vertices in a voxel.
@@ -85,7 +85,7 @@ ScanGainField::ScanGainField(const world::BrickGrid& grid, const world::PartialM
     if ((at < 0.0).any() || (at >= size_.cast<double>().array()).any()) continue;
     const std::size_t index = index_of(at.cast<int>());
     if (notes_[index] < 0) {
-      note(index, qualities_.size());
+      note(index, static_cast<std::int32_t>(qualities_.size()));
       qualities_.push_back(0.0F);
       counts.push_back(0.0F);
     }
@@ -120,7 +120,7 @@ ScanGainField::ScanGainField(const world::BrickGrid& grid, const world::PartialM
         const auto nearest = tree.Nearest(center_W, far);
         if (!nearest) continue;
         const double distance = std::sqrt(nearest->squared_distance);
-        note(index, trends_.size());
+        note(index, ~static_cast<std::int32_t>(trends_.size()));
         trends_.push_back({trends[nearest->index].normal_W.cast<float>(),
                            static_cast<float>(std::exp(-distance / config.trend_decay_m))});
       }
@@ -179,12 +179,12 @@ ScanGain ScanGainField::Measure(const geometry::CameraModel& camera, const Pose&
         entropy += cell & kBit;
         if ((cell & kNoted) != 0) {
           const std::int32_t noted = notes_[index];
-          if (cell != (kBit | kNoted)) {
+          if (noted >= 0) {
             quality += qualities_[noted];
             ++met;
-          } else if (-trends_[noted].normal_W.dot(way.cast<float>()) > min_cosine) {
-            const float chance = trends_[noted].chance;
-            shown[noted] = std::max(shown[noted], open * chance);
+          } else if (-trends_[~noted].normal_W.dot(way.cast<float>()) > min_cosine) {
+            const float chance = trends_[~noted].chance;
+            shown[~noted] = std::max(shown[~noted], open * chance);
             open *= 1.0F - chance;
           }
         } else if (cell == kBit && ++unknown == most_unknown + 1) {

@@ -80,7 +80,7 @@ class ScanGainField {
   Eigen::Vector3d low_W_;
   Eigen::Vector3i size_;
   std::vector<Cell> cells_;
-  std::vector<std::int32_t> notes_;  ///< Of quality where known, of a trend where unknown.
+  std::vector<std::int32_t> notes_;  ///< Index of a quality; of a trend its complement, < 0.
   std::vector<float> qualities_;
   std::vector<Trend> trends_;
 };
