@@ -117,7 +117,7 @@ std::optional<ModelledThing> Exploration::Work(const SceneBelief& belief, Time n
   if (coverage >= config_.coverage) {
     return Finish(belief, fmt::format("enough of it is seen: {:.0f} %", 100.0 * coverage), now);
   }
-  if (static_cast<int>(current_->entered.size()) >= config_.scans) {
+  if (static_cast<int>(current_->entered.size()) - current_->views_before >= config_.scans) {
     return Finish(belief,
                   fmt::format("the budget of {} scans for one thing is spent", config_.scans), now);
   }
@@ -129,16 +129,22 @@ std::optional<ScanTarget> Exploration::Target(const SceneBelief& belief,
   if (!current_) return std::nullopt;
   const ObjectBelief& object = belief.objects[current_->object];
   const PartialModel& model = current_->model;
-  const std::vector<planning::SurfaceTrend> trends =
+  std::vector<planning::SurfaceTrend> trends =
       planning::FindTrends(model.surface(), *belief.plane_W, config_.borders);
+  std::ranges::copy(planning::TrendsAcrossHoles(model.surface(), *belief.plane_W, config_.borders),
+                    std::back_inserter(trends));
   gain_.emplace(*space.workspace(), model.surface(), trends, *belief.plane_W, config_.gain);
+  std::vector<Vector3d> refused_W;
+  for (const auto& [view, why] : current_->refused) {
+    refused_W.push_back(belief.views[view].X_WC.translation());
+  }
   return ScanTarget{object.id,
                     object.extent_W,
                     &*gain_,
                     model.coverage().filled,
                     model.scans(),
                     belief.views[object.sightings.back().view].X_WC.translation(),
-                    current_->refused_W};
+                    std::move(refused_W)};
 }
 
 ModelledThing Exploration::Finish(const SceneBelief& belief, const std::string& why, Time now) {
@@ -184,26 +190,49 @@ const ObjectBelief* Exploration::LargestUnknown(const SceneBelief& belief) const
 }
 
 void Exploration::Begin(const ObjectBelief& object, const SceneBelief& belief) {
-  current_.emplace(
-      Current{object.id, PartialModel(config_, BoxFor(object, config_.around_m), *belief.plane_W)});
+  const int views_before =
+      current_ ? current_->views_before : static_cast<int>(object.sightings.size());
+  current_.emplace(Current{object.id,
+                           PartialModel(config_, BoxFor(object, config_.around_m), *belief.plane_W),
+                           views_before});
 }
 
-/// Each view that shows it, and was not entered yet, is a scan.
+/// Each view that shows it, and was not entered yet, is a scan; the nearest of them, which measures
+/// finest, is the first. One that was refused may fit when the surface has grown.
 void Exploration::Enter(const ObjectBelief& object, const SceneBelief& belief) {
-  PartialModel& model = current_->model;
+  const auto distance = [&](int view) {
+    return (belief.views[view].X_WC.translation() - object.extent_W.center()).norm();
+  };
+  std::vector<int> waiting;
   for (const world::Sighting& sighting : object.sightings) {
-    if (!current_->entered.insert(sighting.view).second) continue;
-    const world::Observation& view = belief.views[sighting.view];
-    std::string refused = Contradiction(model.surface(), view);
-    if (refused.empty()) refused = model.Add(ScanOf(view, model.box_W(), config_));
-    if (!refused.empty()) {
-      current_->refused.push_back(fmt::format("view {}: {}", sighting.view, refused));
-      current_->refused_W.push_back(view.X_WC.translation());
-      continue;
-    }
-    model.Separate(object.points_W, PointsBeside(object, belief, model.box_W()));
-    current_->coverage.push_back(model.coverage().Reachable());
+    if (current_->entered.insert(sighting.view).second) waiting.push_back(sighting.view);
   }
+  std::ranges::stable_sort(waiting, {}, distance);
+  for (const auto& [view, why] : current_->refused) waiting.push_back(view);
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (const int view : std::exchange(waiting, {})) {
+      const std::string refused = Fuse(view, object, belief);
+      if (refused.empty()) {
+        grown = true;
+        current_->refused.erase(view);
+      } else {
+        current_->refused[view] = refused;
+        waiting.push_back(view);
+      }
+    }
+  }
+}
+
+/// Returns why the view was refused; empty when it was fused.
+std::string Exploration::Fuse(int view, const ObjectBelief& object, const SceneBelief& belief) {
+  PartialModel& model = current_->model;
+  std::string refused = Contradiction(model.surface(), belief.views[view]);
+  if (refused.empty()) refused = model.Add(ScanOf(belief.views[view], model.box_W(), config_));
+  if (!refused.empty()) return refused;
+  model.Separate(object.points_W, PointsBeside(object, belief, model.box_W()));
+  current_->coverage.push_back(model.coverage().Reachable());
+  return "";
 }
 
 /// Ends the present thing, without a model.
@@ -211,7 +240,9 @@ ModelledThing Exploration::Drop(const std::string& why) {
   ModelledThing thing;
   thing.object = current_->object;
   thing.coverage = std::move(current_->coverage);
-  thing.refused = std::move(current_->refused);
+  for (const auto& [view, refusal] : current_->refused) {
+    thing.refused.push_back(fmt::format("view {}: {}", view, refusal));
+  }
   thing.reason = why;
   done_.insert(thing.object);
   current_.reset();

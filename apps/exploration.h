@@ -83,15 +83,16 @@ class Exploration {
   struct Current {
     int object{};
     PartialModel model;
-    std::set<int> entered{};  // views
+    int views_before{};                    // it was begun
+    std::set<int> entered{};               // views
+    std::map<int, std::string> refused{};  // of these, and why
     std::vector<double> coverage{};
-    std::vector<std::string> refused{};
-    std::vector<Eigen::Vector3d> refused_W{};
   };
 
   const world::ObjectBelief* LargestUnknown(const world::SceneBelief& belief) const;
   void Begin(const world::ObjectBelief& object, const world::SceneBelief& belief);
   void Enter(const world::ObjectBelief& object, const world::SceneBelief& belief);
+  std::string Fuse(int view, const world::ObjectBelief& object, const world::SceneBelief& belief);
   ModelledThing Drop(const std::string& why);
   std::string UnusedName();
 

@@ -276,10 +276,11 @@ Question Mission::WhatIsOpen() const {
   return question;
 }
 
-/// What is open and, when it is nothing but hidden space, what is to be modelled.
-Question Mission::WhatToAsk() {
+/// What is open and, when it is nothing but hidden space, what is to be modelled. So it is when no
+/// look can help what is open: `stuck`.
+Question Mission::WhatToAsk(bool stuck) {
   Question question = WhatIsOpen();
-  while (exploration_ && question.open.empty()) {
+  while (exploration_ && (stuck || question.open.empty())) {
     std::optional<ModelledThing> thing = exploration_->Work(belief(), robot_->clock->Now());
     if (!thing) {
       scene_.DoNotRecognise(exploration_->NotToRecognise());
@@ -354,8 +355,9 @@ std::optional<TakenLook> Mission::SearchForTable() {
   return taken;
 }
 
-std::optional<TakenLook> Mission::Choose() {
-  const Question question = WhatToAsk();
+/// @param stuck No look can help what is open.
+std::optional<TakenLook> Mission::Choose(bool stuck) {
+  const Question question = WhatToAsk(stuck);
   const auto settled = [&] {
     if (belief().objects.empty()) {
       End(Progress::kSettled, "nothing was found on the table");
@@ -376,9 +378,10 @@ std::optional<TakenLook> Mission::Choose() {
   if (question.scan && !Offers(best.candidates, "scan")) {
     Know(exploration_->Finish(belief(), "no scan adds anything: " + RefusedScans(best.candidates),
                               robot_->clock->Now()));
-    return Choose();
+    return Choose(stuck);
   }
   if (best.look.chosen) return best;
+  if (exploration_ && !stuck && !question.open.empty()) return Choose(true);
   record_.looks.push_back(best);
   if (question.open.empty()) return settled();  // nowhere to see hidden space from
   End(Progress::kNoLook, "no look is possible: " + best.look.reason);

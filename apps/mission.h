@@ -146,13 +146,13 @@ class Mission {
   void Understand(Capture capture);
   TakenLook ScoreLooks(const Question& question);
   Question WhatIsOpen() const;
-  Question WhatToAsk();
+  Question WhatToAsk(bool stuck);
   void Know(ModelledThing thing);
   bool AllWantedFound() const;
   bool Matters(const world::ObjectBelief& object) const;
   bool GoOnWithoutArm(const DeviceError& error);
   std::optional<TakenLook> SearchForTable();
-  std::optional<TakenLook> Choose();
+  std::optional<TakenLook> Choose(bool stuck = false);
   std::optional<TakenLook> Overruled(std::optional<TakenLook> own);
   Progress Act(TakenLook look);
   Eigen::Vector2d WhatStopped(const world::Look& look, const DriveOutcome& outcome) const;

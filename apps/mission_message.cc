@@ -1,5 +1,7 @@
 #include "apps/mission_message.h"
 
+#include <utility>
+
 #include "apps/to_message.h"
 #include "lib/common/version.h"
 
@@ -21,6 +23,7 @@ second_look::mission_t DescribeStart(const RunConfig& config, const world::Objec
   mission.motion_seconds = 0.0;
   mission.total_seconds = 0.0;
   mission.metres = 0.0;
+  mission.num_modelled = 0;
   return mission;
 }
 
@@ -33,6 +36,16 @@ second_look::mission_t DescribeEnd(second_look::mission_t mission, const Mission
   mission.motion_seconds = record.motion_seconds;
   mission.total_seconds = record.total_seconds;
   mission.metres = record.metres;
+  for (const ModelledThing& thing : record.modelled) {
+    second_look::modelled_t modelled{};
+    modelled.object_id = thing.object;
+    modelled.model = thing.model;
+    modelled.coverage = thing.coverage;
+    modelled.num_scans = static_cast<std::int32_t>(thing.coverage.size());
+    modelled.reason = thing.reason;
+    mission.modelled.push_back(std::move(modelled));
+  }
+  mission.num_modelled = static_cast<std::int32_t>(mission.modelled.size());
   return mission;
 }
 

@@ -32,7 +32,7 @@ struct ModellingConfig {
   std::string strategy{"new surface"};
   double coverage{0.95};  ///< A model is done when so much is seen of what the support leaves free…
   double worthwhile{0.02};      ///< …or no scan is expected to add this share of what is seen…
-  int scans{12};                ///< …or after so many scans.
+  int scans{12};                ///< …or after so many views more than there were.
   double least_coverage{0.5};   ///< A model that shows less is not kept.
   double largest_m{0.5};        ///< Things with a longer edge are not modelled.
   double around_m{0.06};        ///< Of the support and what stands beside is registered to, too.

@@ -19,6 +19,24 @@ using Eigen::Vector3d;
 
 /// Farther from all that is seen of a thing, a surface is not the thing's [m].
 constexpr double kOwn_m = 0.02;
+/// The direction of a jagged border is that between so many vertices before and behind.
+constexpr int kStretch = 3;
+/// A surface ends downwards where it goes on so steeply beyond its border: z of the unit direction.
+constexpr float kDownwards = -0.3F;
+/// What faces up so much is a top, whose sides nobody has seen: z of the unit normal.
+constexpr float kTop = 0.7F;
+/// What faces up or down more than this has no side that it could lean to: sine of the slope.
+constexpr float kLevel = 0.2F;
+
+/// Where the surface beside a border `height` above the support meets it, from right below: what
+/// turns inwards goes on to do so, but not flatter than 45 degrees. What leans outwards, as a thing
+/// blurred with its support does, goes straight down.
+Eigen::Vector2f InwardToFoot(const Eigen::Vector3f& normal, float height) {
+  const float level = normal.head<2>().norm();
+  if (normal.z() >= 0.0F || level < kLevel) return Eigen::Vector2f::Zero();
+  const float slope = std::min(-normal.z() / level, 1.0F);
+  return -slope * std::max(height, 0.0F) * normal.head<2>() / level;
+}
 
 }  // namespace
 
@@ -89,14 +107,11 @@ geometry::Mesh StandingMesh(const world::PartialMesh& surface, const Vector3d& p
   geometry::Mesh mesh = surface.mesh;
   for (Eigen::Vector3f& vertex : mesh.vertices) vertex -= p_WM.cast<float>();
   std::map<int, int> feet;
-  const auto low = [&](int i) { return mesh.vertices[i].z() < static_cast<float>(rim); };
-  // What turns inwards below the rim goes on to do so, at 45 degrees.
   const auto foot_of = [&](int i) {
     const auto [foot, is_new] = feet.try_emplace(i, static_cast<int>(mesh.vertices.size()));
     if (!is_new) return foot->second;
     const Eigen::Vector3f vertex = mesh.vertices[i];
-    const Eigen::Vector2f outward = surface.normals[i].head<2>().normalized();
-    const Eigen::Vector2f down = vertex.head<2>() - std::max(vertex.z(), 0.0F) * outward;
+    const Eigen::Vector2f down = vertex.head<2>() + InwardToFoot(surface.normals[i], vertex.z());
     mesh.vertices.emplace_back(down.x(), down.y(), 0.0F);
     if (!mesh.vertex_colors.empty()) {
       const Eigen::Vector3f color = mesh.vertex_colors[i];
@@ -105,10 +120,19 @@ geometry::Mesh StandingMesh(const world::PartialMesh& surface, const Vector3d& p
     return foot->second;
   };
   for (const std::vector<int>& loop : geometry::BorderLoops(surface.mesh)) {
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const int a = loop[i];
-      const int b = loop[(i + 1) % loop.size()];
-      if (!low(a) || !low(b)) continue;
+    const int count = static_cast<int>(loop.size());
+    const auto at = [&](int i) { return loop[(i % count + count) % count]; };
+    const auto ends_downwards = [&](int i) {
+      const Eigen::Vector3f along =
+          mesh.vertices[at(i + 1 + kStretch)] - mesh.vertices[at(i - kStretch)];
+      const Eigen::Vector3f& normal = surface.normals[at(i)];
+      return normal.z() > kTop || along.cross(normal).normalized().z() < kDownwards;
+    };
+    const auto low = [&](int i) { return mesh.vertices[i].z() < static_cast<float>(rim); };
+    for (int i = 0; i < count; ++i) {
+      const int a = at(i);
+      const int b = at(i + 1);
+      if (!low(a) || !low(b) || !ends_downwards(i)) continue;
       mesh.triangles.emplace_back(b, a, foot_of(a));
       mesh.triangles.emplace_back(b, foot_of(a), foot_of(b));
     }

@@ -106,12 +106,18 @@ Explored Explore(const HalfKnownTable& table, const std::string& strategy, std::
   for (const Verdict& verdict : verdicts) {
     json["things"].push_back(ToJson(verdict, record.modelled));
   }
+  json["modelled"] = Json::array();
   for (const ModelledThing& thing : record.modelled) {
-    if (thing.model.empty()) continue;
     const auto about = std::find_if(verdicts.begin(), verdicts.end(),
                                     [&](const Verdict& v) { return v.object == thing.object; });
-    explored.models.push_back(
-        {about == verdicts.end() ? "" : about->truth, AsModel(thing.scanned)});
+    const std::string truth = about == verdicts.end() ? "" : about->truth;
+    json["modelled"].push_back({{"object", thing.object},
+                                {"truth", truth},
+                                {"model", thing.model},
+                                {"coverage", thing.coverage},
+                                {"refused", thing.refused},
+                                {"reason", thing.reason}});
+    if (!thing.model.empty()) explored.models.push_back({truth, AsModel(thing.scanned)});
   }
   return explored;
 }

@@ -31,7 +31,7 @@ struct MadeModel {
 
 /// What an exploration has come to.
 struct Explored {
-  nlohmann::ordered_json result;  ///< Its end, looks, seconds, metres, collisions and verdicts.
+  nlohmann::ordered_json result;  ///< Its end, looks, costs, collisions, verdicts, and attempts.
   std::vector<MadeModel> models;
 };
 

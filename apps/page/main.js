@@ -43,6 +43,7 @@ function render() {
     drawStep(mission, selected, ui),
   ] : []);
   redraw('belief', `${live.story} ${beliefs} ${ui.step}`, () => drawBeliefs(mission, ui));
+  redraw('modelled', version, () => drawModelled(mission));
   redraw('time', `${live.story} ${steps.reduce((sum, step) => sum + step.stages.length, 0)}`, () => drawTime(mission));
   redraw('given-up', version, () => drawGivenUp(mission));
   redraw('configuration', `${live.story} ${told?.utime}`, () => drawConfiguration(mission));

@@ -18,14 +18,10 @@ constexpr int kStretch = 3;
 
 }  // namespace
 
-Coverage EstimateCoverage(const world::PartialMesh& surface, const world::SupportPlane& plane_W,
-                          double footing) {
-  Coverage coverage;
+std::vector<HoleTriangle> FillHoles(const world::PartialMesh& surface,
+                                    const world::SupportPlane& plane_W, double footing) {
+  std::vector<HoleTriangle> triangles;
   const auto vertex = [&](int i) { return Vector3d(surface.mesh.vertices[i].cast<double>()); };
-  for (const Eigen::Vector3i& t : surface.mesh.triangles) {
-    const Vector3d a = vertex(t[0]);
-    coverage.filled += 0.5 * (vertex(t[1]) - a).cross(vertex(t[2]) - a).norm();
-  }
   for (const std::vector<int>& loop : geometry::BorderLoops(surface.mesh)) {
     const int count = static_cast<int>(loop.size());
     const auto at = [&](int i) { return vertex(loop[(i % count + count) % count]); };
@@ -39,20 +35,38 @@ Coverage EstimateCoverage(const world::PartialMesh& surface, const world::Suppor
     if (!(length > 0.0)) continue;
     middle /= length;
     for (int i = 0; i < count; ++i) {
-      const Vector3d a = at(i);
-      const Vector3d b = at(i + 1);
-      const double area = 0.5 * (a - middle).cross(b - middle).norm();
-      coverage.holes += area;
-      if (std::max(plane_W.HeightOf(a), plane_W.HeightOf(b)) < footing) continue;
-      const Vector3d facing = (a - b).cross(middle - b).normalized();
-      if (facing.dot(plane_W.normal_A) < kDown) continue;
-      const Vector3d along = (at(i + 1 + kStretch) - at(i - kStretch)).normalized();
-      const Vector3d outward = along.cross(surface.normals[loop[i]].cast<double>()).normalized();
-      Vector3d inward = middle - 0.5 * (a + b);
-      inward -= inward.dot(along) * along;
-      const double cosine = inward.norm() > 0.0 ? outward.dot(inward.normalized()) : 1.0;
-      coverage.unseen += area * 2.0 / (1.0 + std::max(cosine, kMinCosine));
+      HoleTriangle triangle{at(i), at(i + 1), middle};
+      triangle.area = 0.5 * (triangle.a - middle).cross(triangle.b - middle).norm();
+      const bool stands =
+          std::max(plane_W.HeightOf(triangle.a), plane_W.HeightOf(triangle.b)) < footing;
+      if (stands || triangle.Normal().dot(plane_W.normal_A) < kDown) {
+        triangle.bulge = 0.0;
+      } else {
+        const Vector3d along = (at(i + 1 + kStretch) - at(i - kStretch)).normalized();
+        const Vector3d outward = along.cross(surface.normals[loop[i]].cast<double>()).normalized();
+        Vector3d inward = middle - 0.5 * (triangle.a + triangle.b);
+        inward -= inward.dot(along) * along;
+        const double cosine = inward.norm() > 0.0 ? outward.dot(inward.normalized()) : 1.0;
+        triangle.bulge = 2.0 / (1.0 + std::max(cosine, kMinCosine));
+      }
+      triangles.push_back(triangle);
     }
+  }
+  return triangles;
+}
+
+Coverage EstimateCoverage(const world::PartialMesh& surface, const world::SupportPlane& plane_W,
+                          double footing) {
+  Coverage coverage;
+  for (const Eigen::Vector3i& t : surface.mesh.triangles) {
+    const Eigen::Vector3f& a = surface.mesh.vertices[t[0]];
+    const Vector3d ab = (surface.mesh.vertices[t[1]] - a).cast<double>();
+    const Vector3d ac = (surface.mesh.vertices[t[2]] - a).cast<double>();
+    coverage.filled += 0.5 * ab.cross(ac).norm();
+  }
+  for (const HoleTriangle& triangle : FillHoles(surface, plane_W, footing)) {
+    coverage.holes += triangle.area;
+    coverage.unseen += triangle.bulge * triangle.area;
   }
   return coverage;
 }

@@ -2,6 +2,9 @@
 
 #include <vector>
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
 #include "lib/world/support_plane.h"
 #include "lib/world/surface_volume.h"
 
@@ -19,6 +22,17 @@ struct Coverage {
   double Reachable() const { return filled > 0.0 ? filled / (filled + unseen) : 0.0; }
 };
 
+/// A piece of what fills a hole of a partial surface: between an edge of its border and its middle.
+struct HoleTriangle {
+  Eigen::Vector3d a, b;    ///< The edge, in the border's direction [m].
+  Eigen::Vector3d middle;  ///< Of the hole [m].
+  double area{};           ///< [m^2].
+  double bulge{1.0};       ///< The surface that it stands for, in times of `area`; 0: none to see.
+
+  /// Unit, outward; 0 when the triangle has no area.
+  Eigen::Vector3d Normal() const { return (a - b).cross(middle - b).normalized(); }
+};
+
 /// Fills the holes of `surface`. An edge of a border lower than `footing` [m] above the support is
 /// where the thing stands: what lies between such edges and the middle of their hole nobody can
 /// see, nor what faces the support steeply, e.g. the underside of what stands on a narrower foot.
@@ -26,6 +40,10 @@ struct Coverage {
 /// the flat filling, it is thought to close as a cap does, whose area is 2 / (1 + cos α) of the
 /// flat one's, but not more than twice (a ball seen from one side).
 /// @pre plane_W is in the frame of `surface`.
+std::vector<HoleTriangle> FillHoles(const world::PartialMesh& surface,
+                                    const world::SupportPlane& plane_W, double footing);
+
+/// By FillHoles().
 Coverage EstimateCoverage(const world::PartialMesh& surface, const world::SupportPlane& plane_W,
                           double footing);
 

@@ -10,6 +10,7 @@
 #include "lib/common/check_range.h"
 #include "lib/geometry/kd_tree.h"
 #include "lib/geometry/mesh_border.h"
+#include "lib/perception/coverage.h"
 #include "lib/world/ray_cast.h"
 
 namespace secondlook::planning {
@@ -22,6 +23,8 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kMinVertices = 12;
 /// The surface is not thought to turn by more than this beyond its border.
 constexpr double kMaxTurn = 80.0 * kDegree;
+/// Multiples of it are spread evenly over [0, 1), leaving whole numbers out.
+constexpr double kGolden = std::numbers::phi - 1.0;
 
 /// The surface at a place of its border.
 struct BorderPlace {
@@ -160,6 +163,27 @@ std::vector<SurfaceTrend> FindTrends(const world::PartialMesh& surface,
       since = 0.0;
       trend->border = length;
       trends.push_back(*trend);
+    }
+  }
+  return trends;
+}
+
+std::vector<SurfaceTrend> TrendsAcrossHoles(const world::PartialMesh& surface,
+                                            const world::SupportPlane& plane_W,
+                                            const BoundarySearchConfig& config) {
+  config.Validate();
+  const double share = config.spacing_m * config.spacing_m;
+  std::vector<SurfaceTrend> trends;
+  double since = 0.0;
+  for (const perception::HoleTriangle& hole :
+       perception::FillHoles(surface, plane_W, config.footing_m)) {
+    if (!(hole.bulge > 0.0)) continue;
+    // The triangles of a fan are slender, so that a line through each tells where.
+    const Vector3d edge = 0.5 * (hole.a + hole.b);
+    for (since += hole.area; since >= share; since -= share) {
+      const double turn = kGolden * static_cast<double>(trends.size());
+      const double away = std::sqrt(turn - std::floor(turn));  // evenly over the area
+      trends.push_back({hole.middle + away * (edge - hole.middle), hole.Normal(), 0.0});
     }
   }
   return trends;

@@ -54,6 +54,14 @@ std::vector<SurfaceTrend> FindTrends(const world::PartialMesh& surface,
                                      const world::SupportPlane& plane_W,
                                      const BoundarySearchConfig& config = {});
 
+/// Where the surface probably goes on far from its borders: points of what fills its holes flatly
+/// (perception::FillHoles), a `spacing_m` apart. Beside an edge of the thing the trends of its
+/// border lead into free space; these lead to its other side.
+/// @throws ConfigError when `config` is not valid.
+std::vector<SurfaceTrend> TrendsAcrossHoles(const world::PartialMesh& surface,
+                                            const world::SupportPlane& plane_W,
+                                            const BoundarySearchConfig& config = {});
+
 /// A pose from which a trend would be measured well.
 struct ScanCandidate {
   Pose X_WC{Pose::Identity()};  ///< Looks at the trend's point.

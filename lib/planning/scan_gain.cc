@@ -35,6 +35,8 @@ void ScanGainConfig::Validate() const {
   CheckRange(stride, 1, 32, "stride");
   CheckRange(trend_decay_m, 1e-3, 1.0, "trend_decay_m");
   CheckRange(max_incidence_deg, 1.0, 89.0, "max_incidence_deg");
+  CheckRange(unknown_m, 0.0, 10.0, "unknown_m");
+  CheckRange(unknown_survival, 0.0, 1.0, "unknown_survival");
 }
 
 ScanGainField::ScanGainField(const world::BrickGrid& grid, const world::PartialMesh& surface,
@@ -66,9 +68,9 @@ ScanGainField::ScanGainField(const world::BrickGrid& grid, const world::PartialM
       if (state == world::Occupancy::kOccupied) cell |= kEnd;
     }
   }
-  const auto note = [&](std::size_t index, std::size_t value) {
+  const auto note = [&](std::size_t index, std::int32_t value) {
     cells_[index] |= kNoted;
-    notes_[index] = static_cast<std::int32_t>(value);
+    notes_[index] = value;
   };
 
   // Quality: the mean over the vertices in a voxel.
@@ -83,7 +85,7 @@ ScanGainField::ScanGainField(const world::BrickGrid& grid, const world::PartialM
     if ((at < 0.0).any() || (at >= size_.cast<double>().array()).any()) continue;
     const std::size_t index = index_of(at.cast<int>());
     if (notes_[index] < 0) {
-      note(index, qualities_.size());
+      note(index, static_cast<std::int32_t>(qualities_.size()));
       qualities_.push_back(0.0F);
       counts.push_back(0.0F);
     }
@@ -118,7 +120,7 @@ ScanGainField::ScanGainField(const world::BrickGrid& grid, const world::PartialM
         const auto nearest = tree.Nearest(center_W, far);
         if (!nearest) continue;
         const double distance = std::sqrt(nearest->squared_distance);
-        note(index, trends_.size());
+        note(index, ~static_cast<std::int32_t>(trends_.size()));
         trends_.push_back({trends[nearest->index].normal_W.cast<float>(),
                            static_cast<float>(std::exp(-distance / config.trend_decay_m))});
       }
@@ -135,7 +137,8 @@ ScanGain ScanGainField::Measure(const geometry::CameraModel& camera, const Pose&
   double quality = 0.0;
   std::int64_t met = 0;
   std::int64_t rays = 0;
-  std::vector<char> seen(trends_.size(), 0);
+  const int most_unknown = static_cast<int>(std::floor(config_.unknown_m / voxel_));
+  std::vector<float> shown(trends_.size(), 0.0F);  // chance that the surface in it is seen
   const double middle = 0.5 * (config_.stride - 1);
   for (double v = middle; v < camera.height; v += config_.stride) {
     for (double u = middle; u < camera.width; u += config_.stride) {
@@ -146,7 +149,8 @@ ScanGain ScanGainField::Measure(const geometry::CameraModel& camera, const Pose&
       double end = config_.max_range_m / voxel_;
       Vector3d inverse;
       for (int axis = 0; axis < 3; ++axis) {
-        inverse[axis] = std::abs(way[axis]) < 1e-12 ? kNever : 1.0 / way[axis];
+        inverse[axis] =
+            std::abs(way[axis]) < 1e-12 ? std::copysign(kNever, way[axis]) : 1.0 / way[axis];
         const double a = -from[axis] * inverse[axis];
         const double b = (size_[axis] - from[axis]) * inverse[axis];
         t = std::max(t, std::min(a, b));
@@ -161,31 +165,32 @@ ScanGain ScanGainField::Measure(const geometry::CameraModel& camera, const Pose&
       std::int64_t index = 0;
       for (int axis = 0; axis < 3; ++axis) {
         const int at = std::clamp(static_cast<int>(std::floor(entry[axis])), 0, size_[axis] - 1);
-        const bool up = way[axis] >= 0.0;
+        const bool up = inverse[axis] > 0.0;
         next[axis] = (at + (up ? 1 : 0) - from[axis]) * inverse[axis];
         per_voxel[axis] = std::abs(inverse[axis]);
         stride[axis] = up ? step[axis] : -step[axis];
         index += at * step[axis];
       }
-      bool first = true;  // nothing but free space so far
+      float open = 1.0F;  // the chance that nothing has stopped it so far
+      int unknown = 0;    // voxels passed that no trend is near to
       std::int64_t entropy = 0;
       while (true) {
         const Cell cell = cells_[index];
         entropy += cell & kBit;
         if ((cell & kNoted) != 0) {
           const std::int32_t noted = notes_[index];
-          if (cell != (kBit | kNoted)) {
+          if (noted >= 0) {
             quality += qualities_[noted];
             ++met;
-          } else if (first && seen[noted] == 0) {
-            seen[noted] = 1;
-            if (-trends_[noted].normal_W.dot(way.cast<float>()) > min_cosine) {
-              gain.new_surface += trends_[noted].chance * voxel_ * voxel_;
-            }
+          } else if (-trends_[~noted].normal_W.dot(way.cast<float>()) > min_cosine) {
+            const float chance = trends_[~noted].chance;
+            shown[~noted] = std::max(shown[~noted], open * chance);
+            open *= 1.0F - chance;
           }
+        } else if (cell == kBit && ++unknown == most_unknown + 1) {
+          open *= static_cast<float>(config_.unknown_survival);
         }
         if ((cell & kEnd) != 0) break;
-        first = first && (cell & kBit) != kBit;
         const int axis =
             next.x() < next.y() ? (next.x() < next.z() ? 0 : 2) : (next.y() < next.z() ? 1 : 2);
         if (next[axis] >= end) break;
@@ -199,6 +204,7 @@ ScanGain ScanGainField::Measure(const geometry::CameraModel& camera, const Pose&
     gain.entropy *= static_cast<double>(camera.width) * camera.height /
                     (static_cast<double>(kBit) * static_cast<double>(rays));
   }
+  for (const float chance : shown) gain.new_surface += chance * voxel_ * voxel_;
   if (met > 0) gain.quality = quality / static_cast<double>(met);
   return gain;
 }

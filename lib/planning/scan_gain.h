@@ -21,6 +21,8 @@ struct ScanGainConfig {
   int stride{3};  ///< Every stride-th ray of every stride-th row stands for those beside.
   double trend_decay_m{0.03};    ///< A trend is worth 1/e so far from the point that it estimates.
   double max_incidence_deg{70};  ///< What would be seen flatter is not thought to be measured.
+  double unknown_m{0.04};        ///< What lies behind more unknown space is probably hidden…
+  double unknown_survival{0.5};  ///< …and counts so much (nothing is known: even odds).
 
   template <class A>
   void Serialize(A* a) {
@@ -30,6 +32,8 @@ struct ScanGainConfig {
     a->Visit("stride", &stride);
     a->Visit("trend_decay_m", &trend_decay_m);
     a->Visit("max_incidence_deg", &max_incidence_deg);
+    a->Visit("unknown_m", &unknown_m);
+    a->Visit("unknown_survival", &unknown_survival);
   }
   /// @throws ConfigError naming the value.
   void Validate() const;
@@ -50,8 +54,9 @@ class ScanGainField {
  public:
   /// b_i of Eq. 1 is taken as the share of mesh edges in a voxel that are *no* border, so that both
   /// terms are 1 where the surface is good and 1 - q_s (Eq. 2) asks for what is not; voxels without
-  /// mesh say nothing of quality. New surface is expected in the voxels that are unknown, seen
-  /// before anything else along a ray, near to a trend and facing the sensor as the trend does.
+  /// mesh say nothing of quality. New surface is expected in the voxels that are unknown, near to a
+  /// trend and facing the sensor as the trend does: each by the chance that a ray gets there, past
+  /// trends before it and through other unknown space, and that the surface is there.
   /// @throws ConfigError when `config` is not valid.
   ScanGainField(const world::BrickGrid& grid, const world::PartialMesh& surface,
                 const std::vector<SurfaceTrend>& trends, const world::SupportPlane& plane_W,
@@ -75,7 +80,7 @@ class ScanGainField {
   Eigen::Vector3d low_W_;
   Eigen::Vector3i size_;
   std::vector<Cell> cells_;
-  std::vector<std::int32_t> notes_;  ///< Of quality where known, of a trend where unknown.
+  std::vector<std::int32_t> notes_;  ///< Index of a quality; of a trend its complement, < 0.
   std::vector<float> qualities_;
   std::vector<Trend> trends_;
 };

@@ -28,6 +28,8 @@ constexpr const char* kMetadata = "model.yaml";
 constexpr const char* kMesh = "mesh.obj";
 constexpr const char* kFull = "full";
 constexpr int kMostFold = 24;
+/// 2000-01-01: a clock that shows less counts from the robot's start, as a simulated one does.
+constexpr std::chrono::seconds kFirstDate{946'684'800};
 
 /// Provenance as model.yaml has it.
 struct ScannedText {
@@ -242,6 +244,7 @@ std::string Text(const DeclaredSymmetry& symmetry) {
 std::string DateOf(const Provenance& provenance) {
   const auto since = provenance.finished.time_since_epoch();
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(since).count();
+  if (since < kFirstDate) return fmt::format("after {} s of simulated time", seconds);
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(seconds)));
 }
 

@@ -35,7 +35,7 @@ struct Provenance {
   Time finished{};     ///< When it was stored, by the robot's clock.
 };
 
-/// Its time as a date, "2026-03-01T12:34:56Z". A simulated clock begins in 1970.
+/// Its time as a date, "2026-03-01T12:34:56Z", or "after 83 s of simulated time", which has none.
 std::string DateOf(const Provenance& provenance);
 
 /// One known object.

@@ -47,14 +47,15 @@ class Duck : public ::testing::Test {
     return object;
   }
 
-  /// A view from `azimuth_deg` around, 40 degrees above, that errs by `error_W` [m].
-  void See(double azimuth_deg, const Vector3d& error_W = Vector3d::Zero()) {
+  /// A view from `azimuth_deg` around, 40 degrees above, `distance` away, that errs by `error_W`
+  /// [m].
+  void See(double azimuth_deg, const Vector3d& error_W = Vector3d::Zero(), double distance = 0.75) {
     const double azimuth = azimuth_deg * std::numbers::pi / 180.0;
     const double up = 40.0 * std::numbers::pi / 180.0;
     const Vector3d middle_W = box_W_.center();
     const Pose X_WC =
-        LookAt(middle_W + 0.75 * Vector3d(std::cos(up) * std::cos(azimuth),
-                                          std::cos(up) * std::sin(azimuth), std::sin(up)),
+        LookAt(middle_W + distance * Vector3d(std::cos(up) * std::cos(azimuth),
+                                              std::cos(up) * std::sin(azimuth), std::sin(up)),
                middle_W);
     world::Observation view;
     view.frame = camera_.Take(X_WC).frame;
@@ -180,10 +181,66 @@ TEST_F(Duck, KeepsClearOfScansThatWereRefused) {
   EXPECT_THAT(thing.refused[1], HasSubstr("view 2: it sees through "));
 }
 
-TEST_F(Duck, EndsWithTheBudgetOfScans) {
-  Exploration exploration({.scans = 2, .least_coverage = 0.1}, {});
+TEST_F(Duck, IsScannedFirstFromNearbyWhateverTheOrderOfTheViews) {
+  Exploration exploration({}, {});
+  See(180.0, Vector3d::Zero(), 2.2);  // too far to measure much
   See(0.0);
   See(40.0);
+  ASSERT_FALSE(exploration.Work(belief_, kNow));
+  const ModelledThing thing = exploration.Finish(belief_, "", kNow);
+  EXPECT_GE(thing.coverage.size(), 2U);
+  EXPECT_THAT(thing.refused, ::testing::Not(::testing::Contains(HasSubstr("view 1: "))));
+  EXPECT_THAT(thing.refused, ::testing::Not(::testing::Contains(HasSubstr("view 2: "))));
+}
+
+TEST_F(Duck, SeenFromOneSideIsWorthAScanFromTheOther) {
+  Exploration exploration({}, {});
+  for (double azimuth = -40.0; azimuth < 60.0; azimuth += 40.0) See(azimuth);
+  ASSERT_FALSE(exploration.Work(belief_, kNow));
+  const std::optional<ScanTarget> target = exploration.Target(belief_, space_);
+  ASSERT_TRUE(target);
+  const Vector3d behind_W = box_W_.center() + Vector3d(-0.6, 0.0, 0.4);
+  const planning::ScanGain gain =
+      target->gain->Measure(camera_.info().model.Scaled(0.25), LookAt(behind_W, box_W_.center()));
+  EXPECT_GT(gain.new_surface, 0.1 * target->surface);
+}
+
+TEST_F(Duck, OfWhichOnlyOneSideCanBeReachedIsKeptAsThatSide) {
+  Exploration exploration({.least_coverage = 0.3}, {});
+  for (double azimuth = -40.0; azimuth < 60.0; azimuth += 40.0) See(azimuth);
+  ASSERT_FALSE(exploration.Work(belief_, kNow));
+  const ModelledThing thing = exploration.Finish(belief_, "no scan adds anything", kNow);
+  EXPECT_EQ(thing.model, "object_1");
+  EXPECT_LT(thing.scanned.provenance.coverage, 0.9);
+  EXPECT_EQ(thing.scanned.provenance.coverage, thing.coverage.back());
+  // No face stands for what nobody has seen: the far side's lower half is open.
+  int behind = 0;
+  for (const Eigen::Vector3f& vertex : thing.scanned.full.vertices) {
+    const Vector3d p_W = thing.X_WM * vertex.cast<double>();
+    behind += p_W.x() < box_W_.min().x() + 0.003 && p_W.z() < box_W_.center().z() ? 1 : 0;
+  }
+  EXPECT_EQ(behind, 0);
+}
+
+TEST_F(Duck, WhoseSurfaceReturnsNothingGetsNoModel) {
+  Exploration exploration({}, {});
+  See(0.0);
+  belief_.views[0].frame.depth.setTo(0.0F);
+  ASSERT_FALSE(exploration.Work(belief_, kNow));
+  EXPECT_TRUE(exploration.Target(belief_, space_));
+  const ModelledThing thing = exploration.Finish(belief_, "no scan adds anything", kNow);
+  EXPECT_EQ(thing.model, "");
+  EXPECT_THAT(thing.refused, ::testing::ElementsAre("view 0: it measured nothing there"));
+  EXPECT_THAT(thing.reason, HasSubstr("only 0 % of it was seen in 0 scans"));
+}
+
+TEST_F(Duck, EndsWithTheBudgetOfScans) {
+  Exploration exploration({.scans = 2, .least_coverage = 0.1}, {});
+  for (double azimuth = 0.0; azimuth < 30.0; azimuth += 10.0) See(azimuth);
+  ASSERT_FALSE(exploration.Work(belief_, kNow)) << "views for other things' sake are no scans";
+  See(40.0);
+  ASSERT_FALSE(exploration.Work(belief_, kNow));
+  See(80.0);
   const std::optional<ModelledThing> thing = exploration.Work(belief_, kNow);
   ASSERT_TRUE(thing);
   EXPECT_THAT(thing->reason, HasSubstr("the budget of 2 scans for one thing is spent"));

@@ -63,6 +63,8 @@ std::string PageOfTexts(const std::string& text) {
   mission.num_models = 1;
   mission.task.wanted.resize(mission.task.num_wanted = 1);
   mission.task.wanted[0].name = text;
+  mission.modelled.resize(mission.num_modelled = 1);
+  mission.modelled[0].model = mission.modelled[0].reason = text;
   story.Post(transport::Pack(channel::kMission, mission));
 
   bot_core::images_t images{};
@@ -184,6 +186,26 @@ TEST_F(PageInBrowser, TellsAMissionThatEndedBeforeItsFirstView) {
   const Drawn drawn = Draw(Page(story.All()));
   EXPECT_THAT(drawn.faults, IsEmpty());
   EXPECT_THAT(drawn.text, HasSubstr("stopped on request"));
+}
+
+TEST_F(PageInBrowser, ShowsHowMuchOfAThingWasSeenAfterEachScan) {
+  Story story;
+  second_look::mission_t mission{};
+  mission.end = "everything is settled";
+  mission.modelled.resize(mission.num_modelled = 2);
+  mission.modelled[0].model = "object_1";
+  mission.modelled[0].coverage = {0.41, 0.66, 0.97};
+  mission.modelled[0].num_scans = 3;
+  mission.modelled[0].reason = "enough of it is seen: 97 %";
+  mission.modelled[1].object_id = 4;
+  mission.modelled[1].reason = "is 0.61 m long";
+  story.Post(transport::Pack(channel::kMission, mission));
+  const Drawn drawn = Draw(Page(story.All()));
+  EXPECT_THAT(drawn.faults, IsEmpty());
+  EXPECT_THAT(drawn.text, HasSubstr("Object 0: object_1"));
+  EXPECT_THAT(drawn.text, HasSubstr("3 scans, 97 % seen; enough of it is seen"));
+  EXPECT_THAT(drawn.text, HasSubstr("Object 4: no model"));
+  EXPECT_THAT(drawn.elements, HasSubstr("polyline"));
 }
 
 TEST_F(PageInBrowser, TakesTextFromOutsideAsTextAlone) {

@@ -45,10 +45,26 @@ TEST(BoundarySearch, FollowsABallRoundItsEdge) {
   }
 }
 
+TEST(BoundarySearch, LeadsAcrossAHoleToTheOtherSide) {
+  const std::vector<SurfaceTrend> trends = TrendsAcrossHoles(HalfBall(), tests::LevelPlane(-0.1));
+  // As many as squares of 15 mm on the disc that closes it.
+  const double disc = std::numbers::pi * kRadius * kRadius;
+  EXPECT_NEAR(static_cast<double>(trends.size()), disc / (0.015 * 0.015), 1.5);
+  Vector3d middle = Vector3d::Zero();
+  for (const SurfaceTrend& trend : trends) {
+    EXPECT_NEAR(trend.p_W.x(), 0.0, 0.002);
+    EXPECT_LT(trend.p_W.norm(), kRadius + 0.001);
+    EXPECT_GT(-trend.normal_W.x(), 0.9);
+    middle += trend.p_W / static_cast<double>(trends.size());
+  }
+  EXPECT_LT(middle.norm(), 0.01) << "evenly";
+}
+
 TEST(BoundarySearch, LeavesOutWhereAThingStands) {
   const world::PartialMesh dome =
       tests::PartOfBall(kRadius, 100, [](const Eigen::Vector3f& p) { return p.z() > -1e-6F; });
   EXPECT_TRUE(FindTrends(dome, tests::LevelPlane(-0.001)).empty());
+  EXPECT_TRUE(TrendsAcrossHoles(dome, tests::LevelPlane(-0.001)).empty());
   EXPECT_TRUE(FindTrends({}, tests::LevelPlane(0.0)).empty());
 }
 

@@ -56,6 +56,25 @@ TEST(ScanGain, QualityIsTheMeanOfBordersAndDensityByLambda) {
   EXPECT_NEAR(field.Measure(kOneRay, AlongX()).quality, 0.25 * 0.0 + 0.75 * 0.6, 1e-6);
 }
 
+TEST(ScanGain, SurfaceWhereTheMapKnowsNothingTellsOfQualityAlone) {
+  world::PartialMesh surface;  // the first triangles of a scan whose rays the map does not hold
+  for (int i = 0; i < 3; ++i) {
+    const float x = 0.15F + 0.1F * static_cast<float>(i);
+    surface.mesh.vertices.insert(surface.mesh.vertices.end(),
+                                 {{x, 0.02F, 0.02F}, {x, 0.08F, 0.02F}, {x, 0.05F, 0.08F}});
+    surface.mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  surface.normals.assign(9, Eigen::Vector3f(-1, 0, 0));
+  surface.density.assign(9, 1.0F);
+  const std::vector<SurfaceTrend> trends{{Vector3d(0.65, 0.05, 0.05), Vector3d(-1, 0, 0), 0.1}};
+  ScanGainConfig config = kEveryRay;
+  config.unknown_survival = 1.0;
+  const ScanGain gain = ScanGainField(Grid(), surface, trends, tests::LevelPlane(-1), config)
+                            .Measure(kOneRay, AlongX());
+  EXPECT_NEAR(gain.quality, 0.5, 1e-6);  // dense, but all border
+  EXPECT_NEAR(gain.new_surface, 0.1 * 0.1, 1e-9);
+}
+
 TEST(ScanGain, NewSurfaceIsExpectedAtTrendsThatAreSeenFirstAndFaceTheSensor) {
   world::BrickGrid grid = Grid();
   grid.Fill(grid.box_W(), -2.0F);
@@ -71,6 +90,24 @@ TEST(ScanGain, NewSurfaceIsExpectedAtTrendsThatAreSeenFirstAndFaceTheSensor) {
   EXPECT_EQ(gain({0, 0, 1}), 0.0);  // too flat
   grid.SetPoints({{0.25, 0.05, 0.05}}, 2.0F);
   EXPECT_EQ(gain({-1, 0, 0}), 0.0);  // hidden
+}
+
+TEST(ScanGain, WhatLiesBehindUnknownSpaceCountsByTheOddsThatItIsFree) {
+  world::BrickGrid grid = Grid();
+  grid.Fill(grid.box_W(), -2.0F);
+  grid.Forget({Vector3d(0.2, 0.0, 0.0), Vector3d(0.3, 0.1, 0.1)});  // a shadow before…
+  grid.Forget({Vector3d(0.4, 0.0, 0.0), Vector3d(0.5, 0.1, 0.1)});  // …where surface is expected
+  const std::vector<SurfaceTrend> trends{{Vector3d(0.45, 0.05, 0.05), Vector3d(-1, 0, 0), 0.1}};
+  ScanGainConfig config = kEveryRay;
+  config.unknown_survival = 0.25;
+  const auto gain = [&] {
+    return ScanGainField(grid, {}, trends, tests::LevelPlane(-1), config)
+        .Measure(kOneRay, AlongX())
+        .new_surface;
+  };
+  EXPECT_NEAR(gain(), 0.25 * 0.1 * 0.1, 1e-9);
+  config.unknown_m = 0.1;  // no more than it allows
+  EXPECT_NEAR(gain(), 0.1 * 0.1, 1e-9);
 }
 
 TEST(ScanGain, KriegelWeighsQualityAsMuchAsExplorationAfterEightScans) {

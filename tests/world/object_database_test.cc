@@ -250,6 +250,11 @@ TEST_F(ObjectDatabaseFolder, KeepsAScannedObjectWithWhereItComesFrom) {
   EXPECT_EQ(DateOf(*ball.provenance), "2026-03-01T12:34:56Z");  // date -d @1772368496
 }
 
+TEST(DateOf, OfASimulatedClockIsNoDate) {
+  EXPECT_EQ(DateOf({.sensor = "striper", .scans = 1, .finished = Time(Seconds(83.75))}),
+            "after 83 s of simulated time");
+}
+
 TEST_F(ObjectDatabaseFolder, AGivenMeshIsAllThatThereIsOfIt) {
   Add("pyramid");
   EXPECT_FALSE(ReadModel(models_ / "pyramid").provenance.has_value());
