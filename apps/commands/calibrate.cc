@@ -195,6 +195,8 @@ kinematics::HandCalibration CalibrateHandOf(ReadyRobot* ready, const RunConfig& 
   ArmLooks arm(FromWhereItFills(camera.model, options.board, config.mission.looks.arm),
                {robot.base->info(), robot.arm->info(), camera, *ready->hand}, stance.q,
                config.seed);
+  const auto& workspace = config.safety.limits.arm_workspace;
+  if (workspace) arm.KeepWithin(workspace->box_B());
   const Pose X_BC = CameraInBase(head, views.front().head);
   const Eigen::Vector3d p_WP =
       ToPose(stance.X_WB) * X_BC * views.front().board.X_CP *
@@ -242,7 +244,7 @@ int Calibrate(const CalibrateOptions& options) try {
     Throw<ConfigError>("--hand: the robot of {} has no arm with a camera in its hand",
                        options.config);
   }
-  ready.robot = guard.Protect(std::move(ready.robot));
+  ready.robot = guard.Protect(std::move(ready.robot), BoxOfArm(ready));
   BoardLooks looks(&ready.robot, options.board);
   kinematics::Calibration calibration = Before(config.robot, ready);
   std::vector<kinematics::BoardView> views;
