@@ -5,6 +5,7 @@
 
 #include "lib/common/error.h"
 #include "lib/common/rng.h"
+#include "lib/kinematics/box_of_moved.h"
 #include "lib/planning/motion/stop_and_go.h"
 
 namespace secondlook::apps {
@@ -64,6 +65,21 @@ ArmLooks::ArmLooks(const ArmLooksConfig& config, HandDevices devices, const Eige
   RequireFolded(devices_, q);
 }
 
+void ArmLooks::KeepWithin(const Eigen::AlignedBox3d& box_B) {
+  const Eigen::AlignedBox3d arm_B = kinematics::BoxOfMoved(devices_.hand.arm, way_.home());
+  const Eigen::Vector3d clearance = Eigen::Vector3d::Constant(config_.collision.clearance_m);
+  const Eigen::AlignedBox3d grown_B(arm_B.min() - clearance, arm_B.max() + clearance);
+  if (!box_B.contains(grown_B)) {
+    Throw<ConfigError>(
+        "arm '{}': where it stands at the beginning it reaches from ({:.2f}, {:.2f}, {:.2f}) to "
+        "({:.2f}, {:.2f}, {:.2f}) m in B, which with collision.clearance_m = {} is not within "
+        "safety.limits.arm_workspace; fold the arm before the mission, or give it more room",
+        devices_.arm.name, arm_B.min().x(), arm_B.min().y(), arm_B.min().z(), arm_B.max().x(),
+        arm_B.max().y(), arm_B.max().z(), config_.collision.clearance_m);
+  }
+  workspace_B_ = box_B;
+}
+
 hal::JointTrajectory ArmLooks::Folding(const Eigen::VectorXd& q) const {
   return way_.Back(q, planning::Gently(devices_.arm.joints, config_.views.motion.speed_share));
 }
@@ -78,10 +94,14 @@ planning::ArmCollision ArmLooks::CollisionAt(
                    Pose(Eigen::Translation3d(0.0, 0.0, 0.5 * devices_.base.height))});
   for (geometry::PlacedShape& part : own_W) part.X_AS = X_WB * part.X_AS;
   const Eigen::Vector3d p_WS = X_WB * chain.LinkPoses(stance.q)[chain.link_of(0)].translation();
-  return {chain, X_WB,
-          planning::ObstaclesAround(p_WS, planning::ReachOf(chain), space, supports_W, own_W,
-                                    config_.obstacles),
-          config_.collision};
+  std::vector<planning::Obstacle> obstacles_W = planning::ObstaclesAround(
+      p_WS, planning::ReachOf(chain), space, supports_W, own_W, config_.obstacles);
+  if (workspace_B_) {
+    for (planning::Obstacle& wall : planning::WallsAround(*workspace_B_, X_WB)) {
+      obstacles_W.push_back(std::move(wall));
+    }
+  }
+  return {chain, X_WB, obstacles_W, config_.collision};
 }
 
 std::vector<world::Look> ArmLooks::Views(const Eigen::Vector3d& p_WT, int target,

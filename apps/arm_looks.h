@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "lib/hal/arm.h"
 #include "lib/hal/base.h"
@@ -65,6 +67,11 @@ class ArmLooks {
 
   const hal::CameraInfo& camera() const { return devices_.camera; }
 
+  /// The arm and all in its hand are not to leave `box_B`.
+  /// @throws ConfigError when it is not within where it is folded, with collision.clearance_m to
+  /// spare.
+  void KeepWithin(const Eigen::AlignedBox3d& box_B);
+
   /// It has set out along `motion` and stands at `q`: at its end, or where it was stopped.
   void Follow(const hal::JointTrajectory& motion, const Eigen::VectorXd& q) {
     way_.Follow(motion, q);
@@ -86,6 +93,7 @@ class ArmLooks {
   ArmLooksConfig config_;
   HandDevices devices_;
   planning::ArmWay way_;
+  std::optional<Eigen::AlignedBox3d> workspace_B_;
   std::uint64_t seed_;
   int planned_{};  // targets that views were planned for
 };

@@ -293,6 +293,11 @@ void LookPlanner::CheckNotInVain(world::Look* look) const {
                          look);
 }
 
+void LookPlanner::KeepWithin(const hal::GuardConfig& limits) {
+  workspace_ = limits.workspace;
+  if (arm_ && limits.arm_workspace) arm_->KeepWithin(limits.arm_workspace->box_B());
+}
+
 void LookPlanner::CheckWithinWorkspace(world::Look* look) const {
   if (!workspace_) return;
   const auto out = [&](const Pose2& pose) { return !workspace_->Contains(pose.x, pose.y); };

@@ -81,8 +81,10 @@ class LookPlanner {
     blocked_.push_back({p_W, now + Seconds(config_.blocked_seconds)});
   }
 
-  /// The base is to stay within `workspace`: looks that it would leave it for are refused.
-  void KeepWithin(const hal::Workspace& workspace) { workspace_ = workspace; }
+  /// Looks for which the base or the arm would leave its workspace are refused. @pre the arm is
+  /// known, if it is to take looks.
+  /// @throws ConfigError when the arm is not within its own (ArmLooks::KeepWithin()).
+  void KeepWithin(const hal::GuardConfig& limits);
 
   /// The view from this point taught nothing.
   void NoteVain(const Eigen::Vector3d& p_WC) { vain_views_W_.push_back(p_WC); }

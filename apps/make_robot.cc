@@ -4,6 +4,7 @@
 
 #include "apps/real_robot.h"
 #include "lib/hal/drivers/live_clock.h"
+#include "lib/kinematics/box_of_moved.h"
 #include "lib/kinematics/calibration_file.h"
 #include "sim/scene.h"
 #include "sim/standing_room.h"
@@ -42,6 +43,12 @@ ReadyRobot Make(const RealConfig& config, std::uint64_t /*seed*/) {
 
 ReadyRobot MakeRobot(const RobotConfig& config, std::uint64_t seed) {
   return std::visit([&](const auto& backend) { return Make(backend, seed); }, config);
+}
+
+hal::ArmBox BoxOfArm(const ReadyRobot& ready) {
+  if (!ready.hand) return {};
+  return
+      [arm = ready.hand->arm](const Eigen::VectorXd& q) { return kinematics::BoxOfMoved(arm, q); };
 }
 
 }  // namespace secondlook::apps

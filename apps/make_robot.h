@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "apps/run_config.h"
+#include "lib/hal/guard.h"
 #include "lib/hal/robot.h"
 #include "lib/kinematics/eye_in_hand.h"
 #include "lib/kinematics/head.h"
@@ -24,5 +25,8 @@ struct ReadyRobot {
 /// Connects to the robot that `config` describes: the only place that knows every backend.
 /// @throws ConfigError for a wrong configuration, DeviceError for a device that does not answer.
 ReadyRobot MakeRobot(const RobotConfig& config, std::uint64_t seed);
+
+/// Around the arm of `ready` and all in its hand; empty without one.
+hal::ArmBox BoxOfArm(const ReadyRobot& ready);
 
 }  // namespace secondlook::apps

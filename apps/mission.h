@@ -118,8 +118,10 @@ class Mission {
     confirm_ = std::move(confirm);
   }
 
-  /// The base is to stay within `workspace`: looks that it would leave it for are refused.
-  void KeepWithin(const hal::Workspace& workspace) { planner_.KeepWithin(workspace); }
+  /// Base and arm are to stay within their workspaces: looks for which they would leave them are
+  /// refused. To be called after KnowArm().
+  /// @throws ConfigError when the arm is not within its own.
+  void KeepWithin(const hal::GuardConfig& limits) { planner_.KeepWithin(limits); }
 
   /// Models that it makes are given to `keep`; without, they are known in this mission alone.
   void LetKeep(ModelKeeper keep) { keep_ = std::move(keep); }

@@ -26,16 +26,18 @@
 #include "lib/kinematics/calibrate_head.h"
 #include "lib/kinematics/calibration_file.h"
 #include "lib/perception/board.h"
+#include "lib/planning/motion/obstacles.h"
 #include "lib/world/voxel_space.h"
 
 namespace secondlook::apps {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr int kSignalStatus = 128;  // plus the signal
-constexpr int kRounds = 9;          // the head's angles err anew each time
-constexpr int kHandRounds = 5;      // and so does an arm
-constexpr double kNearer = 0.8;     // than where the board fills the image's width
+constexpr int kSignalStatus = 128;   // plus the signal
+constexpr int kRounds = 9;           // the head's angles err anew each time
+constexpr int kHandRounds = 5;       // and so does an arm
+constexpr int kFewestHandLooks = 3;  // that turn the hand about two axes
+constexpr double kNearer = 0.8;      // than where the board fills the image's width
 constexpr double kFarther = 1.1;
 constexpr int kStride = 2;  // pixels of a depth image that enter the map
 
@@ -141,7 +143,7 @@ world::VoxelSpace MapAround(ReadyRobot* ready, const kinematics::HeadCalibration
   world::VoxelSpace space;
   const hal::PanTiltAngles middle = ready->robot.head->State().angles;
   std::vector<hal::PanTiltAngles> around =
-      Grid(ready->robot.head->info(), middle, 35.0 * kDegree, 1, 25.0 * kDegree, 1);
+      Grid(ready->robot.head->info(), middle, 35.0 * kDegree, 2, 25.0 * kDegree, 2);
   around.push_back(middle);
   for (const hal::PanTiltAngles& angles : around) {
     looks->WithHead(angles);
@@ -161,22 +163,33 @@ ArmLooksConfig FromWhereItFills(const geometry::CameraModel& camera, const perce
   return config;
 }
 
-/// @throws ConfigError when the arm can take none of these looks, with what is in its way.
+/// @throws ConfigError when the arm can take too few of these looks, with what is in its way.
 void RequireLooks(const std::vector<world::Look>& looks) {
-  const auto feasible = std::count_if(looks.begin(), looks.end(),
-                                      [](const world::Look& look) { return look.feasible; });
-  fmt::print("the arm can take {} of {} looks at the board\n", feasible, looks.size());
-  if (feasible > 0) return;
   std::map<std::string, int> refused;  // by the check
-  for (const world::Look& look : looks) ++refused[look.checks.back().name];
+  std::string unseen;                  // what is in the way of one, where nobody has looked
+  for (const world::Look& look : looks) {
+    if (look.feasible) continue;
+    ++refused[look.checks.back().name];
+    const bool unknown =
+        look.reason.find(ToString(planning::ObstacleKind::kUnknown)) != look.reason.npos;
+    if (unknown) unseen = look.reason;
+  }
+  auto feasible = static_cast<int>(looks.size());
   std::string counts;
   for (const auto& [check, count] : refused) {
-    counts += fmt::format("{}{} by '{}'", counts.empty() ? "" : ", ", count, check);
+    feasible -= count;
+    counts += fmt::format("{}{} refused by '{}'", counts.empty() ? "" : ", ", count, check);
   }
+  fmt::print("the arm can take {} of {} looks at the board: {}\n", feasible, looks.size(), counts);
+  if (feasible >= kFewestHandLooks) return;
+  if (unseen.empty()) unseen = "none by unknown space";
   Throw<ConfigError>(
-      "the arm can take no look at the board where it is ({}; the first: {}): put the board where "
-      "the arm can reach around it, and where the head sees the space between",
-      counts, looks.front().reason);
+      "the arm can take {} looks at the board where it is, at least {} are wanted ({}; {}): put "
+      "the "
+      "board where the arm can reach around it. Space is known to be free where the head's camera "
+      "measures something behind it; where a person knows that it is, --set "
+      "mission.looks.arm.obstacles.avoid_unknown=false",
+      feasible, kFewestHandLooks, counts, unseen);
 }
 
 /// Where the camera in the hand sits, from looks that the arm takes at the board, through space
@@ -195,6 +208,8 @@ kinematics::HandCalibration CalibrateHandOf(ReadyRobot* ready, const RunConfig& 
   ArmLooks arm(FromWhereItFills(camera.model, options.board, config.mission.looks.arm),
                {robot.base->info(), robot.arm->info(), camera, *ready->hand}, stance.q,
                config.seed);
+  const auto& workspace = config.safety.limits.arm_workspace;
+  if (workspace) arm.KeepWithin(workspace->box_B());
   const Pose X_BC = CameraInBase(head, views.front().head);
   const Eigen::Vector3d p_WP =
       ToPose(stance.X_WB) * X_BC * views.front().board.X_CP *
@@ -242,7 +257,7 @@ int Calibrate(const CalibrateOptions& options) try {
     Throw<ConfigError>("--hand: the robot of {} has no arm with a camera in its hand",
                        options.config);
   }
-  ready.robot = guard.Protect(std::move(ready.robot));
+  ready.robot = guard.Protect(std::move(ready.robot), BoxOfArm(ready));
   BoardLooks looks(&ready.robot, options.board);
   kinematics::Calibration calibration = Before(config.robot, ready);
   std::vector<kinematics::BoardView> views;

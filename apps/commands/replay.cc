@@ -139,7 +139,7 @@ class Replayed {
             [this, follow] { return StopAsked(follow); }, &publisher_, &robot_),
         start_(DescribeStart(config, database_, robot_.clock->Now())) {
     if (recording.robot.arm) mission_.KnowArm(recording.robot.arm->hand);
-    if (config.safety.limits.workspace) mission_.KeepWithin(*config.safety.limits.workspace);
+    mission_.KeepWithin(config.safety.limits);
     if (classifier_) mission_.KnowClassifier(*classifier_);
     mission_.LetKeep([this](const world::ScannedModel& model) {
       database_.Add(AsModel(model));

@@ -140,7 +140,7 @@ int Run(const RunOptions& options) {
   if (!options.log.empty()) log.emplace(options.log, options.log_split_mb);
   hal::Guard guard(config.safety.limits);
   ReadyRobot ready = MakeRobot(config.robot, config.seed);
-  ready.robot = guard.Protect(std::move(ready.robot));
+  ready.robot = guard.Protect(std::move(ready.robot), BoxOfArm(ready));
   if (log) {
     log->Begin(config, database, options.plan_only, &ready);
     sinks.push_back(&*log);
@@ -157,7 +157,7 @@ int Run(const RunOptions& options) {
   Mission mission(config.mission, config.task, database, ready.calibration, config.seed, stop,
                   &publisher, &robot);
   if (ready.hand) mission.KnowArm(*ready.hand);
-  if (config.safety.limits.workspace) mission.KeepWithin(*config.safety.limits.workspace);
+  mission.KeepWithin(config.safety.limits);
   if (config.safety.confirm) {
     mission.LetConfirm([&](const world::Look&) { executive.WaitForConfirmation(); });
   }

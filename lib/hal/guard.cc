@@ -14,8 +14,15 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 /// A base may be so far out of its workspace by the errors of localisation and of stopping [m].
 constexpr double kOutside = 0.1;
+/// An arm likewise, by the errors of its encoders and of following a trajectory [m].
+constexpr double kArmOutside = 0.02;
+/// Trajectories of an arm are tested as often as this [s]: at 90 degrees a second, 1 m away,
+/// nothing is farther out between two tests than 8 mm, and planning keeps more distance than that.
+constexpr double kTrajectoryStep = 0.01;
+constexpr double kMaxTests = 20'000.0;  // whatever it takes
 /// Speed is measured over so long a time, to odometry that comes in steps.
 constexpr Duration kSpeedWindow = Seconds(0.5);
+constexpr double kRounding = 1e-6;  // [m]
 /// A base that is so much faster than it may be is stopped: a share, and [m/s].
 constexpr double kFaster = 1.2;
 constexpr double kFasterBy = 0.05;
@@ -203,9 +210,25 @@ class GuardedPanTilt : public PanTilt {
   Gate gate_;
 };
 
+/// How far the box `inner` reaches out of `outer` [m], along the axis where it is farthest; 0 or
+/// less when it does not.
+double Outside(const Eigen::AlignedBox3d& inner, const Eigen::AlignedBox3d& outer) {
+  return std::max((outer.min() - inner.min()).maxCoeff(), (inner.max() - outer.max()).maxCoeff());
+}
+
+std::string ToText(const Eigen::AlignedBox3d& box) {
+  return fmt::format("from ({:.2f}, {:.2f}, {:.2f}) to ({:.2f}, {:.2f}, {:.2f}) m in B",
+                     box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(),
+                     box.max().z());
+}
+
 class GuardedArm : public Arm {
  public:
-  GuardedArm(std::unique_ptr<Arm> arm, Gate gate) : arm_(std::move(arm)), gate_(std::move(gate)) {}
+  GuardedArm(std::unique_ptr<Arm> arm, const Guard* guard, ArmBox box, Gate gate)
+      : arm_(std::move(arm)),
+        workspace_(guard->config().arm_workspace),
+        box_(std::move(box)),
+        gate_(std::move(gate)) {}
 
   const ArmInfo& info() const override { return arm_->info(); }
   ArmState State() override {
@@ -216,17 +239,65 @@ class GuardedArm : public Arm {
     return state;
   }
   void Start(const JointTrajectory& trajectory) override {
+    broken_.clear();
     gate_.Begin(
-        "", [&] { arm_->Start(trajectory); }, [&] { arm_->Stop(); });
+        Refusal(trajectory), [&] { arm_->Start(trajectory); }, [&] { arm_->Stop(); });
   }
+
+  /// A limit that was broken is the reason, once the arm stands.
   MotionStatus Status() override {
-    return gate_.Answer([&] { return arm_->Status(); });
+    MotionStatus status = gate_.Answer([&] { return arm_->Status(); });
+    if (workspace_ && status.phase == MotionPhase::kMoving && broken_.empty()) {
+      const Eigen::AlignedBox3d box_B = box_(State().q);
+      const double outside = Outside(box_B, workspace_->box_B());
+      if (!(outside <= allowed_)) {
+        broken_ = fmt::format("it reaches {}, {:.2f} m out of safety.limits.arm_workspace",
+                              ToText(box_B), outside);
+        arm_->Stop();
+      }
+    }
+    if (broken_.empty() || status.phase == MotionPhase::kMoving) return status;
+    return {MotionPhase::kFailed, broken_};
   }
+
   void Stop() noexcept override { arm_->Stop(); }
 
  private:
+  /// Where `trajectory` leaves the workspace; empty: nowhere. Whoever is out of it may come back.
+  std::string Refusal(const JointTrajectory& trajectory) {
+    if (!workspace_ || trajectory.knots.empty()) return "";
+    const double duration = trajectory.seconds();
+    if (!std::isfinite(duration))
+      return "";  // what is no motion of this arm the arm refuses itself
+    const int count =
+        static_cast<int>(std::clamp(std::ceil(duration / kTrajectoryStep), 1.0, kMaxTests));
+    double first = 0.0;
+    double worst = 0.0;
+    double worst_at = 0.0;
+    for (int i = 0; i <= count; ++i) {
+      const double seconds = duration * i / count;
+      const JointKnot knot = Sample(trajectory, seconds);
+      if (knot.q.size() != std::ssize(info().joints) || !knot.q.allFinite()) return "";
+      const double outside = Outside(box_(knot.q), workspace_->box_B());
+      if (i == 0) first = std::max(0.0, outside);
+      if (outside <= worst) continue;
+      worst = outside;
+      worst_at = seconds;
+    }
+    allowed_ = first + kArmOutside;
+    if (worst <= first + kRounding) return "";
+    return fmt::format(
+        "its way leads out of safety.limits.arm_workspace: after {:.2f} s it reaches {}, {:.2f} m "
+        "too far",
+        worst_at, ToText(box_(Sample(trajectory, worst_at).q)), worst);
+  }
+
   std::unique_ptr<Arm> arm_;
+  const std::optional<ArmWorkspace> workspace_;
+  const ArmBox box_;
   Gate gate_;
+  double allowed_{};    // out of the workspace, in the last motion [m]
+  std::string broken_;  // by it
 };
 
 /// Stays dark while a protective stop holds.
@@ -257,12 +328,19 @@ void Workspace::Validate() const {
   RequireOrdered("y", y);
 }
 
+void ArmWorkspace::Validate() const {
+  RequireOrdered("x", x);
+  RequireOrdered("y", y);
+  RequireOrdered("z", z);
+}
+
 void GuardConfig::Validate() const {
   RequireSpeed("base_speed", base_speed);
   RequireSpeed("base_turn_rate_deg", base_turn_rate_deg);
   RequireSpeed("head_speed_deg", head_speed_deg);
   RequireSpeed("arm_speed_deg", arm_speed_deg);
   if (workspace) workspace->Validate();
+  if (arm_workspace) arm_workspace->Validate();
   if (!(lapse_seconds >= 0.2 && lapse_seconds <= 60.0)) {
     Throw<ConfigError>("lapse_seconds = {} must be 0.2 to 60", lapse_seconds);
   }
@@ -270,7 +348,7 @@ void GuardConfig::Validate() const {
 
 Guard::Guard(const GuardConfig& config) : config_(config) { config_.Validate(); }
 
-Robot Guard::Protect(Robot robot) {
+Robot Guard::Protect(Robot robot, const ArmBox& arm_box) {
   const BaseInfo& base = robot.base->info();
   const PanTiltInfo& head = robot.head->info();
   const std::string base_name = "base '" + base.name + "'";
@@ -285,6 +363,12 @@ Robot Guard::Protect(Robot robot) {
                   joint.speed * kDegrees, config_.arm_speed_deg, "deg/s", "arm_speed_deg");
     }
   }
+  if (config_.arm_workspace && !(robot.arm && arm_box)) {
+    Throw<ConfigError>(
+        "safety.limits.arm_workspace is given, but the robot has no arm whose shape is known: "
+        "leave "
+        "it out, or configure the arm with its urdf");
+  }
   clock_ = robot.clock.get();
   const auto gate = [&](const std::string& device) {
     motions_.push_back(std::make_unique<GuardedMotion>());
@@ -297,7 +381,8 @@ Robot Guard::Protect(Robot robot) {
   robot.head = std::make_unique<GuardedPanTilt>(std::move(robot.head), std::move(head_gate));
   if (robot.arm) {
     Gate arm_gate = gate("arm '" + robot.arm->info().name + "'");
-    robot.arm = std::make_unique<GuardedArm>(std::move(robot.arm), std::move(arm_gate));
+    robot.arm =
+        std::make_unique<GuardedArm>(std::move(robot.arm), this, arm_box, std::move(arm_gate));
   }
   if (robot.striper) {
     robot.striper = std::make_unique<GuardedStriper>(std::move(robot.striper), this);

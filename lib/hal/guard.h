@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "lib/common/time.h"
 #include "lib/hal/robot.h"
@@ -32,14 +34,40 @@ struct Workspace {
   void Validate() const;
 };
 
+/// What an arm and all in its hand may not leave: a box along the axes of B.
+struct ArmWorkspace {
+  Eigen::Vector2d x{-100.0, 100.0};  ///< From, to [m].
+  Eigen::Vector2d y{-100.0, 100.0};  ///< Likewise.
+  Eigen::Vector2d z{-100.0, 100.0};  ///< Likewise.
+
+  Eigen::AlignedBox3d box_B() const {
+    return Eigen::AlignedBox3d(Eigen::Vector3d(x[0], y[0], z[0]),
+                               Eigen::Vector3d(x[1], y[1], z[1]));
+  }
+
+  template <class A>
+  void Serialize(A* a) {
+    a->Visit("x", &x);
+    a->Visit("y", &y);
+    a->Visit("z", &z);
+  }
+  /// @throws ConfigError naming the value.
+  void Validate() const;
+};
+
+/// The box along the axes of B around all that an arm moves, at the joint angles `q` [rad]
+/// (kinematics::BoxOfMoved).
+using ArmBox = std::function<Eigen::AlignedBox3d(const Eigen::VectorXd& q)>;
+
 /// What no motion of the robot may exceed, whoever asks for it. A speed of 0: what the device is
 /// configured to.
 struct GuardConfig {
-  double base_speed{};                 ///< At most [m/s].
-  double base_turn_rate_deg{};         ///< At most [deg/s].
-  double head_speed_deg{};             ///< At most, of each axis [deg/s].
-  double arm_speed_deg{};              ///< At most, of each joint [deg/s].
-  std::optional<Workspace> workspace;  ///< None: everywhere.
+  double base_speed{};                        ///< At most [m/s].
+  double base_turn_rate_deg{};                ///< At most [deg/s].
+  double head_speed_deg{};                    ///< At most, of each axis [deg/s].
+  double arm_speed_deg{};                     ///< At most, of each joint [deg/s].
+  std::optional<Workspace> workspace;         ///< None: everywhere.
+  std::optional<ArmWorkspace> arm_workspace;  ///< None: everywhere.
   /// A motion that nobody has asked about for so long is stopped [s of robot time].
   double lapse_seconds{2.0};
 
@@ -50,6 +78,7 @@ struct GuardConfig {
     a->Visit("head_speed_deg", &head_speed_deg);
     a->Visit("arm_speed_deg", &arm_speed_deg);
     a->Visit("workspace", &workspace);
+    a->Visit("arm_workspace", &arm_workspace);
     a->Visit("lapse_seconds", &lapse_seconds);
   }
   /// @throws ConfigError naming the value.
@@ -67,7 +96,7 @@ struct GuardedMotion {
 /// - refuses motions while a protective stop holds, and out of the workspace: such a motion ends at
 ///   once, stopped or failed, with the reason;
 /// - stops a base that drives faster than it may, or out of the workspace, by its odometry and
-///   localisation, and fails the motion;
+///   localisation, and an arm that leaves its own by its encoders, and fails the motion;
 /// - keeps the laser dark while a protective stop holds;
 /// - knows which motions lapse unasked, and throws ProtocolError for a State() that is not finite.
 /// A protective stop is one of this process. It is not an emergency stop.
@@ -80,8 +109,10 @@ class Guard {
   Guard& operator=(const Guard&) = delete;
 
   /// The same robot, behind this guard, which must outlive it.
-  /// @throws ConfigError for a device that is configured to be faster than it may be.
-  Robot Protect(Robot robot);
+  /// @param arm_box Of the robot's arm; needed when it has a workspace.
+  /// @throws ConfigError for a device that is configured to be faster than it may be, and for a
+  /// workspace of an arm that there is not.
+  Robot Protect(Robot robot, const ArmBox& arm_box = {});
 
   /// From now on nothing moves until Clear(). What moves is still to be stopped: Robot::Stop().
   /// The first reason is kept.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <numbers>
 #include <utility>
 
@@ -6,6 +7,7 @@
 #include "apps/arm_looks.h"
 #include "apps/capture.h"
 #include "lib/common/error.h"
+#include "lib/kinematics/box_of_moved.h"
 #include "sim/faulty_robot.h"
 #include "sim/sim_robot.h"
 #include "tests/support/expect_throws.h"
@@ -72,6 +74,41 @@ TEST_F(HandCapture, GoesOnWithTheHeadOnceTheArmIsLost) {
   EXPECT_TRUE(capturer.LoseArm());
   EXPECT_TRUE(capturer.Take(Seconds(1)));
   EXPECT_EQ(capturer.ArmNow(), folded);
+}
+
+TEST_F(HandCapture, LooksOnlyFromWithinTheWorkspaceOfTheArm) {
+  hal::Robot& robot = simulated_.robot;
+  const kinematics::Chain& chain = simulated_.hand->arm;
+  const Eigen::VectorXd folded = robot.arm->State().q;
+  const Stance stance{robot.base->State().X_WB, {}, folded, {}};
+  ArmLooksConfig config;
+  config.obstacles.avoid_unknown = false;
+  ArmLooks looks(
+      config, {robot.base->info(), robot.arm->info(), robot.hand_camera->info(), *simulated_.hand},
+      folded, 1);
+  const Eigen::Vector3d p_WT = ToPose(stance.X_WB) * Eigen::Vector3d(0.75, -0.1, 0.7);
+  const auto longest_reach = [&] {
+    double reach = 0.0;
+    const auto collision = looks.CollisionAt(stance, world::VoxelSpace(), {});
+    for (const world::Look& look : looks.Views(p_WT, 0, stance, collision)) {
+      if (!look.feasible) continue;
+      for (double t = 0.0; t <= look.arm_motion.seconds(); t += 0.02) {
+        const Eigen::VectorXd q = hal::Sample(look.arm_motion, t).q;
+        reach = std::max(reach, kinematics::BoxOfMoved(chain, q).max().x());
+      }
+    }
+    return reach;
+  };
+  EXPECT_GT(longest_reach(), 0.45);
+  const auto below = [](double x, double z) {
+    return Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-10.0), Eigen::Vector3d(x, 10.0, z));
+  };
+  looks.KeepWithin(below(0.4, 10.0));
+  const double kept = longest_reach();
+  EXPECT_GT(kept, 0.0) << "some look is left";
+  EXPECT_LE(kept, 0.4);
+  EXPECT_THROWS(looks.KeepWithin(below(10.0, 0.5)), ConfigError,
+                "arm 'arm': where it stands at the beginning it reaches from (");
 }
 
 TEST_F(HandCapture, OfAnArmThatDoesNotBeginWithinItsBaseIsRefused) {

@@ -17,7 +17,8 @@
 namespace secondlook {
 namespace {
 
-OutsideInput Chosen() {
+/// @post unless SECONDLOOK_FUZZ names one the process has ended, with the names of all.
+OutsideInput Choose() {
   const char* name = std::getenv("SECONDLOOK_FUZZ");
   for (OutsideInput& input : OutsideInputs()) {
     if (name == nullptr || input.name != name) continue;
@@ -30,14 +31,24 @@ OutsideInput Chosen() {
   std::exit(2);
 }
 
+const OutsideInput& Chosen() {
+  static const OutsideInput input = Choose();
+  return input;
+}
+
 }  // namespace
 }  // namespace secondlook
 
+// What ends here is no finding, as it would be in an input.
+extern "C" int LLVMFuzzerInitialize(int* /*argc*/, char*** /*argv*/) {
+  secondlook::Chosen();
+  return 0;
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const secondlook::OutsideInput input = secondlook::Chosen();
   static const secondlook::TemporaryFolder scratch;
   try {
-    input.read({reinterpret_cast<const char*>(data), size}, scratch.path());
+    secondlook::Chosen().read({reinterpret_cast<const char*>(data), size}, scratch.path());
   } catch (const secondlook::Error&) {
     // It was said what is wrong.
   }

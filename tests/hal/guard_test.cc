@@ -175,6 +175,87 @@ TEST(Guard, LetsABaseDriveAsFastAsItMay) {
   }
 }
 
+/// A robot whose arm reaches as many metres along x as its first joint has radians, in a workspace
+/// that ends at 1 m, behind a guard.
+class GuardedArm : public ::testing::Test {
+ protected:
+  GuardedArm() {
+    world_.arm_takes = Seconds(10.0);
+    robot_ = guard_.Protect(testing::MakeFakeRobotWithArm(&world_), [](const Eigen::VectorXd& q) {
+      return Eigen::AlignedBox3d(Eigen::Vector3d(0.0, -0.1, 0.0), Eigen::Vector3d(q[0], 0.1, 0.5));
+    });
+  }
+
+  static GuardConfig Config() {
+    GuardConfig config;
+    config.arm_workspace = ArmWorkspace{{-0.5, 1.0}, {-0.5, 0.5}, {-0.1, 1.0}};
+    return config;
+  }
+
+  /// From standstill to standstill, by way of these positions of the first joint.
+  void Start(std::initializer_list<double> positions) {
+    JointTrajectory trajectory;
+    for (const double position : positions) {
+      const auto seconds = static_cast<double>(trajectory.knots.size());
+      trajectory.knots.push_back(
+          {seconds, Eigen::Vector2d(position, 0.0), Eigen::Vector2d::Zero()});
+    }
+    robot_.arm->Start(trajectory);
+  }
+
+  testing::FakeWorld world_;
+  Guard guard_{Config()};
+  Robot robot_;
+};
+
+TEST_F(GuardedArm, MovesWithinItsWorkspace) {
+  Start({0.2, 0.99, 0.5});
+  EXPECT_EQ(world_.arm_starts, 1);
+  world_.q[0] = 0.99;
+  EXPECT_EQ(robot_.arm->Status().phase, MotionPhase::kMoving);
+}
+
+TEST_F(GuardedArm, BeginsNoMotionOutOfItsWorkspaceAlsoWhenItEndsWithin) {
+  Start({0.2, 1.3, 0.5});
+  EXPECT_EQ(world_.arm_starts, 0);
+  const MotionStatus status = robot_.arm->Status();
+  EXPECT_EQ(status.phase, MotionPhase::kFailed);
+  EXPECT_EQ(status.reason,
+            "its way leads out of safety.limits.arm_workspace: after 1.00 s it reaches from (0.00, "
+            "-0.10, 0.00) to (1.30, 0.10, 0.50) m in B, 0.30 m too far");
+}
+
+TEST_F(GuardedArm, MayComeBackFromOutsideButGoNoFarther) {
+  Start({1.2, 1.25, 0.5});
+  EXPECT_EQ(world_.arm_starts, 0);
+  Start({1.2, 0.5});
+  EXPECT_EQ(world_.arm_starts, 1);
+  world_.q[0] = 1.2;
+  EXPECT_EQ(robot_.arm->Status().phase, MotionPhase::kMoving);
+}
+
+TEST_F(GuardedArm, IsStoppedWhenItLeavesItsWorkspaceByItself) {
+  Start({0.2, 0.9});
+  world_.q[0] = 1.05;
+  robot_.arm->Status();
+  EXPECT_EQ(world_.arm_stops, 1);
+  const MotionStatus status = robot_.arm->Status();
+  EXPECT_EQ(status.phase, MotionPhase::kFailed);
+  EXPECT_EQ(status.reason,
+            "it reaches from (0.00, -0.10, 0.00) to (1.05, 0.10, 0.50) m in B, 0.05 m out of "
+            "safety.limits.arm_workspace");
+}
+
+TEST(Guard, RefusesAWorkspaceOfAnArmThatThereIsNot) {
+  testing::FakeWorld world;
+  GuardConfig config;
+  config.arm_workspace.emplace();
+  Guard guard(config);
+  EXPECT_THROWS(
+      guard.Protect(testing::MakeFakeRobot(&world)), ConfigError,
+      "safety.limits.arm_workspace is given, but the robot has no arm whose shape is known");
+}
+
 TEST(Guard, RefusesDevicesThatAreConfiguredFasterThanTheyMayBe) {
   testing::FakeWorld world;
   const auto protect = [&](double GuardConfig::*speed, double value) {
@@ -246,6 +327,10 @@ TEST(GuardConfig, NamesWhatIsWrong) {
                   c->workspace = Workspace{{1.0, -1.0}, {0.0, 1.0}};
                 }),
                 ConfigError, "x = [1, -1] must be [from, to], finite, with from < to");
+  EXPECT_THROWS(refused([](GuardConfig* c) {
+                  c->arm_workspace = ArmWorkspace{{-1.0, 1.0}, {-1.0, 1.0}, {0.5, NAN}};
+                }),
+                ConfigError, "z = [0.5, nan] must be [from, to], finite, with from < to");
 }
 
 /// A base whose stop does nothing.

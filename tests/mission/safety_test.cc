@@ -118,7 +118,9 @@ TEST_F(SafeMission, DoesNotTakeALookWhenItIsStoppedWhileItWaitsForItsConfirmatio
 
 TEST_F(SafeMission, TakesNoLookForWhichTheBaseWouldLeaveItsWorkspace) {
   const double x = ready_.robot.base->State().X_WB.x;
-  mission_->KeepWithin({{x - 0.4, x + 0.4}, {-3.0, 0.2}});
+  hal::GuardConfig limits;
+  limits.workspace = hal::Workspace{{x - 0.4, x + 0.4}, {-3.0, 0.2}};
+  mission_->KeepWithin(limits);
   RunToItsEnd();
   for (const Pose2& waypoint : motions_.driven) {
     EXPECT_NEAR(waypoint.x, x, 0.4);

@@ -78,6 +78,21 @@ TEST(ObstaclesAround, HoldWhatLiesBelowASupportSurfaceAndTheFloor) {
   EXPECT_TRUE(Blocked(obstacles, ObstacleKind::kFloor, {0.5, 0.5, -0.01}));
 }
 
+TEST(WallsAround, LeaveTheBoxFreeAndNothingBesideIt) {
+  Pose X_WA = ToPose(Pose2{0.5, -0.2, 0.7});
+  X_WA.translation().z() = 0.3;
+  const AlignedBox3d box_A(Vector3d(-0.3, -0.4, 0.1), Vector3d(0.9, 0.6, 1.2));
+  const auto walls = WallsAround(box_A, X_WA);
+  Rng rng(2);
+  int inside = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Vector3d p_A(rng.Uniform(-2.0, 2.0), rng.Uniform(-2.0, 2.0), rng.Uniform(-1.5, 2.5));
+    inside += box_A.contains(p_A) ? 1 : 0;
+    EXPECT_EQ(Blocked(walls, ObstacleKind::kWorkspaceEdge, X_WA * p_A), !box_A.contains(p_A));
+  }
+  EXPECT_GT(inside, 10);
+}
+
 TEST(ObstaclesAround, RefuseWhatIsNotValid) {
   const world::VoxelSpace space;
   EXPECT_THROWS(

@@ -46,13 +46,13 @@ class Calibrate : public ::testing::Test {
     geometry::SaveObj(sheet, world_ / "board");
     WriteFile(world_ / "scene.yaml",
               "table: {size: [0.5, 0.6], height: 0.75}\n"
+              "floor: {size: [5, 5]}\nwalls: {}\n"
               "objects:\n  - {mesh: board/mesh.obj, unit: m, name: board, role: obstacle, "
               "position: [-0.1, 0, 0.78], pitch_deg: 85}\n"
               "robot: {position: [-0.75, 0], yaw_deg: 0}\n");
     WriteFile(world_.config(), "robot: !Sim\n  scene: scene.yaml\n  arm: {urdf: " +
                                    std::filesystem::absolute("sim/robots/arm.urdf").string() +
-                                   "}\nmodels: models\nmission: {looks: {arm: {obstacles: "
-                                   "{avoid_unknown: false}}}}\n");
+                                   "}\nmodels: models\n");
   }
 
   /// Within a millimetre and a tenth of a degree.

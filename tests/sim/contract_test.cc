@@ -4,6 +4,7 @@
 
 #include "lib/hal/guard.h"
 #include "lib/hal/tap.h"
+#include "lib/kinematics/box_of_moved.h"
 #include "sim/sim_striper.h"
 #include "tests/hal/arm_contract.h"
 #include "tests/hal/base_contract.h"
@@ -73,9 +74,13 @@ Simulated MakeGuarded() {
   config.head_speed_deg = 180.0;
   config.arm_speed_deg = 360.0;
   config.workspace.emplace();
+  config.arm_workspace.emplace();
   const std::shared_ptr<Guarded> guarded(new Guarded{hal::Guard(config), Make(true)});
   Simulated simulated({guarded, guarded->simulated.get()});
-  simulated.robot = guarded->guard.Protect(std::move(simulated.robot));
+  simulated.robot = guarded->guard.Protect(
+      std::move(simulated.robot), [&arm = guarded->simulated->hand->arm](const Eigen::VectorXd& q) {
+        return kinematics::BoxOfMoved(arm, q);
+      });
   return simulated;
 }
 

@@ -15,6 +15,9 @@ class ArmWay {
   /// It is folded at `home` [rad].
   explicit ArmWay(const Eigen::VectorXd& home) : waypoints_{home} {}
 
+  /// Where it is folded [rad].
+  const Eigen::VectorXd& home() const { return waypoints_.front(); }
+
   /// It has set out along `trajectory`, which goes straight between the knots at which it stands
   /// (StopAndGo), and has got as far as `q`: its end, or anywhere on the way.
   void Follow(const hal::JointTrajectory& trajectory, const Eigen::VectorXd& q);

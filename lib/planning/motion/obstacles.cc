@@ -18,6 +18,7 @@ using world::BrickGrid;
 using world::BrickMask;
 
 constexpr double kFloorThickness = 0.2;  // [m]
+constexpr double kWallThickness = 3.0;   // [m]
 
 bool IsFull(const BrickMask& mask) {
   return std::all_of(mask.begin(), mask.end(), [](std::uint64_t word) { return ~word == 0; });
@@ -219,6 +220,8 @@ std::string ToString(ObstacleKind kind) {
       return "a support surface";
     case ObstacleKind::kFloor:
       return "the floor";
+    case ObstacleKind::kWorkspaceEdge:
+      return "the edge of safety.limits.arm_workspace";
   }
   return "";
 }
@@ -250,6 +253,23 @@ std::vector<Obstacle> ObstaclesAround(const Vector3d& p_WR, double reach,
   floor.solid.X_AS.translation() << p_WR.x(), p_WR.y(), -0.5 * kFloorThickness;
   obstacles.push_back(floor);
   return obstacles;
+}
+
+std::vector<Obstacle> WallsAround(const Eigen::AlignedBox3d& box_A, const Pose& X_WA) {
+  const Vector3d middle_A = box_A.center();
+  const Vector3d inner = box_A.sizes();
+  std::vector<Obstacle> walls;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      Vector3d size = inner.array() + 2.0 * kWallThickness;
+      size[axis] = kWallThickness;
+      Vector3d p_AS = middle_A;
+      p_AS[axis] += side * 0.5 * (inner[axis] + kWallThickness);
+      walls.push_back({ObstacleKind::kWorkspaceEdge,
+                       {geometry::Box{size}, X_WA * Pose(Eigen::Translation3d(p_AS))}});
+    }
+  }
+  return walls;
 }
 
 }  // namespace secondlook::planning

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "lib/geometry/shape.h"
 #include "lib/world/support_plane.h"
@@ -12,9 +13,10 @@
 namespace secondlook::planning {
 
 /// What an arm must not touch, and why.
-enum class ObstacleKind { kOccupied, kUnknown, kSupport, kFloor };
+enum class ObstacleKind { kOccupied, kUnknown, kSupport, kFloor, kWorkspaceEdge };
 
-/// "occupied space", "unknown space", "a support surface" or "the floor".
+/// "occupied space", "unknown space", "a support surface", "the floor" or "the edge of
+/// safety.limits.arm_workspace".
 std::string ToString(ObstacleKind kind);
 
 struct Obstacle {
@@ -48,5 +50,8 @@ std::vector<Obstacle> ObstaclesAround(const Eigen::Vector3d& p_WR, double reach,
                                       const std::vector<world::SupportPlane>& supports_W,
                                       const std::vector<geometry::PlacedShape>& own_body_W,
                                       const ObstacleConfig& config = {});
+
+/// Six walls around the box `box_A` of a frame A at X_WA, so thick that no arm reaches beyond.
+std::vector<Obstacle> WallsAround(const Eigen::AlignedBox3d& box_A, const Pose& X_WA);
 
 }  // namespace secondlook::planning
