@@ -18,6 +18,9 @@ namespace {
 using geometry::DepthRasteriser;
 using geometry::PixelRect;
 
+/// Of what lies mostly beside the picture, the part within may be a part of anything.
+constexpr double kLeastInPicture = 0.5;
+constexpr std::size_t kPicturePoints = 200;
 /// The error of pose and model [m], and that share of the model's width where it is more: a
 /// specimen differs from its scan by its bulk. A thin thing is no less exact for being long.
 constexpr double kModelError = 0.004;
@@ -157,8 +160,28 @@ std::vector<ColorPair> PairColors(const RecognitionModel& model, const View& vie
   return pairs;
 }
 
-std::string ReasonAgainst(const world::Verification& v, double inner, double explained,
-                          double unmeasured, double lowest, const VerifyConfig& config) {
+/// The share of the model's points that lie within the picture, hidden or not.
+double ShareInPicture(const RecognitionModel& model, const Pose& X_CM,
+                      const geometry::CameraModel& camera) {
+  const std::size_t count = std::min(kPicturePoints, model.points.size());
+  std::size_t within = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto pixel = camera.Project(X_CM * model.points[i].point.cast<double>());
+    if (!pixel) continue;
+    const bool beside = pixel->x() < 0.0 || pixel->x() > camera.width - 1.0 || pixel->y() < 0.0 ||
+                        pixel->y() > camera.height - 1.0;
+    if (!beside) ++within;
+  }
+  return static_cast<double>(within) / static_cast<double>(std::max<std::size_t>(1, count));
+}
+
+std::string ReasonAgainst(const world::Verification& v, double in_picture, double inner,
+                          double explained, double unmeasured, double lowest,
+                          const VerifyConfig& config) {
+  if (in_picture < kLeastInPicture) {
+    return fmt::format("only {:.0f} % of it lies within the picture (at least {:.0f} %)",
+                       100 * in_picture, 100 * kLeastInPicture);
+  }
   if (inner < config.min_inner) {
     return fmt::format("only {:.0f} % of its silhouette is no rim (at least {:.0f} %): too thin",
                        100 * inner, 100 * config.min_inner);
@@ -286,10 +309,10 @@ world::Verification Verify(const RecognitionModel& model, const Pose& X_CM, cons
   const auto silhouette = static_cast<double>(
       std::count_if(rasteriser->triangle().begin(), rasteriser->triangle().end(),
                     [](int triangle) { return triangle >= 0; }));
-  result.reason =
-      ReasonAgainst(result, result.rendered / std::max(1.0, silhouette), explained,
-                    1.0 * unmeasured / std::max(1, result.rendered),
-                    LowestHeight(model, X_CM, view.PlaneUnder(X_CM * model.center_M)), config);
+  result.reason = ReasonAgainst(
+      result, ShareInPicture(model, X_CM, view.camera), result.rendered / std::max(1.0, silhouette),
+      explained, 1.0 * unmeasured / std::max(1, result.rendered),
+      LowestHeight(model, X_CM, view.PlaneUnder(X_CM * model.center_M)), config);
   result.accepted = result.reason.empty();
   *score = ScoreOf(result, explained);
   return result;

@@ -43,6 +43,9 @@ struct VerifyConfig {
 /// Renders `model` at X_CM and compares it with `view`, to explain the cluster `label`, which has
 /// `cluster_pixels` pixels without its rim (InnerPixels()).
 ///
+/// A pose of which half the points lie beside the picture is refused: the part within could be a
+/// part of anything.
+///
 /// The rim of the silhouette and of depth steps (one pixel to each side) is left out, as depth
 /// cameras see nothing right there. A pixel without a measurement says nothing. A pixel measured
 /// nearer than the surface, and not of the same cluster, is hidden: it is not counted in N_r, where

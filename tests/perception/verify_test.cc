@@ -129,6 +129,17 @@ TEST_F(Verifying, OutsideTheImageThereIsNothingToSee) {
   EXPECT_FALSE(Judge(ell_, X_CM).accepted);
 }
 
+TEST_F(Verifying, RefusesWhatLiesMostlyBesideThePicture) {
+  // Its middle 20 pixels beside the left border: what shows of it could be anything.
+  Pose X_CM = X_CM_;
+  const Eigen::Vector3d center_C = X_CM * ell_.center_M;
+  const geometry::CameraModel& camera = scene_.view.camera;
+  X_CM.translation().x() += (-20.0 - camera.cx) / camera.fx * center_C.z() - center_C.x();
+  const world::Verification v = Judge(ell_, X_CM);
+  EXPECT_FALSE(v.accepted);
+  EXPECT_THAT(v.reason, ::testing::HasSubstr("of it lies within the picture (at least 50 %)"));
+}
+
 TEST_F(Verifying, RefinementBringsAPoseBackFromCentimetresAway) {
   for (int seed = 0; seed < 8; ++seed) {
     Rng rng(static_cast<std::uint64_t>(seed));
