@@ -267,8 +267,7 @@ class GuardedArm : public Arm {
   std::string Refusal(const JointTrajectory& trajectory) {
     if (!workspace_ || trajectory.knots.empty()) return "";
     const double duration = trajectory.seconds();
-    if (!std::isfinite(duration))
-      return "";  // what is no motion of this arm the arm refuses itself
+    if (!std::isfinite(duration)) return "";  // no motion of this arm: it refuses that itself
     const int count =
         static_cast<int>(std::clamp(std::ceil(duration / kTrajectoryStep), 1.0, kMaxTests));
     double first = 0.0;

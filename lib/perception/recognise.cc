@@ -231,12 +231,14 @@ class Examination {
     }
   }
 
-  /// What the colours where the poses differ make of the log-odds of each. Colours do not make good
-  /// what the shape refuses.
+  /// What the colours where the poses differ from the first make of the log-odds of each. Colours
+  /// do not make good what the shape refuses. @pre there is a pose.
   std::vector<double> OddsByColor() {
+    std::vector<double> odds{LogOdds(found_.front().score)};
+    if (found_.size() == 1) return odds;
     const PosedColors first(model_, found_.front().X_CM, view_);
-    std::vector<double> odds;
-    for (const Hypothesis& h : found_) {
+    for (std::size_t i = 1; i < found_.size(); ++i) {
+      const Hypothesis& h = found_[i];
       double lead = first.LogRatio(PosedColors(model_, h.X_CM, view_)).value_or(0.0);
       if (!h.verification.accepted) lead = std::max(lead, 0.0);
       odds.push_back(LogOdds(h.score) - lead);

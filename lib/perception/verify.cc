@@ -166,11 +166,7 @@ double ShareInPicture(const RecognitionModel& model, const Pose& X_CM,
   const std::size_t count = std::min(kPicturePoints, model.points.size());
   std::size_t within = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto pixel = camera.Project(X_CM * model.points[i].point.cast<double>());
-    if (!pixel) continue;
-    const bool beside = pixel->x() < 0.0 || pixel->x() > camera.width - 1.0 || pixel->y() < 0.0 ||
-                        pixel->y() > camera.height - 1.0;
-    if (!beside) ++within;
+    if (camera.Project(X_CM * model.points[i].point.cast<double>())) ++within;
   }
   return static_cast<double>(within) / static_cast<double>(std::max<std::size_t>(1, count));
 }
